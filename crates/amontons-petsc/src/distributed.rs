@@ -463,7 +463,6 @@ impl Condensed for Distributed {
         let way = Way { is_symmetric: true, goal, limit: PRODUCTS[0] * LOOKS };
         let Iterated { products: made, has_broken, .. } = self.krylov(&running, &own, way)?;
         let (is_met, residual) = (running.meets_none() || has_broken, running.last() / running.length(&own)?);
-        drop(running);
         self.iterations += made;
         if is_met {
             Ok(false)

@@ -199,13 +199,11 @@ impl<'a> Running<'a> {
 
     /// Approximate solution by the levels, in the axes of space.
     fn cycle(&self, r: &[f64], x: &mut [f64]) -> Result<(), SolveError> {
-        match self.cycle {
-            Some(solver) => self.shared.session.given(solver.cycle(r, x)),
-            None => {
-                x.copy_from_slice(r);
-                Ok(())
-            }
+        if let Some(solver) = self.cycle {
+            return self.shared.session.given(solver.cycle(r, x));
         }
+        x.copy_from_slice(r);
+        Ok(())
     }
 
     /// Approximate solution of (K + J) x = r by the levels, between two local solutions where contact acts: a symmetric

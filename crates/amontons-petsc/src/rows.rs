@@ -49,7 +49,9 @@ impl Rows {
         let mut number = vec![0; owner.len()];
         order.iter().enumerate().for_each(|(k, node)| number[*node as usize] = k as i32);
         let mut counts = vec![0; session.size()];
-        owner.iter().for_each(|owner| counts[*owner as usize] += size as i32);
+        for owner in &owner {
+            counts[*owner as usize] += size as i32;
+        }
         let starts = starts(&counts);
         let first = starts[session.rank()] / size.max(1) as i32;
         let own = order.iter().copied().filter(|node| owner[*node as usize] as usize == session.rank()).collect();
@@ -113,7 +115,9 @@ impl Seen {
         let mut order: Vec<u32> = (0..dofs.len() as u32).collect();
         order.sort_by_key(|place| owner(&dofs[*place as usize]));
         let mut counts = vec![0; session.size()];
-        dofs.iter().for_each(|dof| counts[owner(dof) as usize] += 1);
+        for dof in dofs {
+            counts[owner(dof) as usize] += 1;
+        }
         let own = |place: &u32| Some((*place, rows.place(dofs[*place as usize])? as u32));
         Seen { mine: order.iter().filter_map(own).collect(), starts: starts(&counts), counts, order }
     }
@@ -160,7 +164,9 @@ struct Division<'a> {
 /// Divides nodes between the processes of a range.
 fn divide(by: &Division, nodes: &mut [u32], [from, to]: [usize; 2], owner: &mut [u32]) {
     if to - from <= 1 {
-        nodes.iter().for_each(|node| owner[*node as usize] = from as u32);
+        for node in nodes {
+            owner[*node as usize] = from as u32;
+        }
         return;
     }
     if !by.points.is_empty() {

@@ -24,11 +24,22 @@ pub struct Source {
 
 /// A backend that a program gives to a case, or none.
 #[derive(Clone, Debug, Default)]
-pub struct GivenBackend(pub Option<Arc<dyn Backend>>);
+pub struct GivenBackend(Option<Box<SharedBackend>>);
+
+/// A backend in a place of its own: errors hold a [`Source`] and ought to be small.
+#[derive(Clone, Debug)]
+struct SharedBackend(Arc<dyn Backend>);
+
+impl GivenBackend {
+    /// The backend, or `None` if the case chooses its own.
+    pub(super) fn get(&self) -> Option<&Arc<dyn Backend>> {
+        self.0.as_ref().map(|given| &given.0)
+    }
+}
 
 impl PartialEq for GivenBackend {
     fn eq(&self, other: &GivenBackend) -> bool {
-        match (&self.0, &other.0) {
+        match (self.get(), other.get()) {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other),
             (own, other) => own.is_none() && other.is_none(),
         }
@@ -53,7 +64,7 @@ impl Source {
     /// Solves the linear systems of the case with this backend.
     #[must_use]
     pub fn solved_by(self, backend: Arc<dyn Backend>) -> Source {
-        Source { backend: GivenBackend(Some(backend)), ..self }
+        Source { backend: GivenBackend(Some(Box::new(SharedBackend(backend)))), ..self }
     }
 
     /// Restricts the source to files in the folder of the case.

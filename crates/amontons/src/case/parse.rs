@@ -150,7 +150,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         Err(error) => (None, vec![whole(error.message())]),
     };
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
-    if let (Some((case, _)), Some(backend)) = (&mut case, &source.backend.0) {
+    if let (Some((case, _)), Some(backend)) = (&mut case, source.backend.get()) {
         case.problem = case.problem.solved_by(backend);
     }
     match case {
