@@ -23,7 +23,7 @@ pub fn execute(file: &Path, of: &[String], with: &[String], common: &Common) -> 
     let parameters = with.iter().map(parameter).collect::<Result<Vec<Parameter>, CommandFailure>>()?;
     let folder = common.team.first(|| GradientFolder::create(&out, common.force))?;
     let progress = Progress::new(common);
-    let flag = common.team.interrupt(progress.interrupt_flag());
+    let flag = common.team.interrupt(&progress.interrupt_flag());
     let request = GradientRequest {
         problem: &case.problem,
         probes: &case.probes,

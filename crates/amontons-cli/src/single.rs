@@ -33,7 +33,7 @@ pub fn run_into(
     common: &Common,
 ) -> Result<(), CommandFailure> {
     let certificate = choice.of(case);
-    let settings = settings(case, out, certificate, (&progress, common.team.interrupt(interrupt)));
+    let settings = settings(case, out, certificate, (&progress, common.team.interrupt(&interrupt)));
     // What is known of an earlier run is read by all processes before the folder changes.
     common.team.wait();
     let create = || Folder::create(out, FolderOptions { tables, ..options(case, certificate, common) });
@@ -73,7 +73,7 @@ pub fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Comm
     if let Some((why, step)) = checkpoint.as_ref().and_then(|c| Some((c.fallback.as_ref()?, c.state.step))) {
         note(&format!("{why}; going on from the checkpoint before, of step {step}"), common);
     }
-    let interrupt = common.team.interrupt(progress.interrupt_flag());
+    let interrupt = common.team.interrupt(&progress.interrupt_flag());
     let settings = settings(&case, dir, certificate, (&progress, interrupt));
     // All processes have read the checkpoint before the run replaces it.
     common.team.wait();

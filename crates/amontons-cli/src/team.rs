@@ -50,8 +50,8 @@ impl Team {
     }
 
     /// The flag that ends a run, from the flag that this process is asked to end by.
-    pub fn interrupt(&self, asked: Arc<AtomicBool>) -> Arc<AtomicBool> {
-        self.0.as_ref().map_or_else(|| Arc::clone(&asked), |processes| processes.agreed(&asked))
+    pub fn interrupt(&self, asked: &Arc<AtomicBool>) -> Arc<AtomicBool> {
+        self.0.as_ref().map_or_else(|| Arc::clone(asked), |processes| processes.agreed(asked))
     }
 
     /// What the first process makes; `None` in the others, which wait until it has succeeded.

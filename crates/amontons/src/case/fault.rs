@@ -24,16 +24,12 @@ pub struct Source {
 
 /// A backend that a program gives to a case, or none.
 #[derive(Clone, Debug, Default)]
-pub struct GivenBackend(Option<Box<SharedBackend>>);
-
-/// A backend in a place of its own: errors hold a [`Source`] and ought to be small.
-#[derive(Clone, Debug)]
-struct SharedBackend(Arc<dyn Backend>);
+pub struct GivenBackend(Option<Arc<dyn Backend>>);
 
 impl GivenBackend {
     /// The backend, or `None` if the case chooses its own.
     pub(super) fn get(&self) -> Option<&Arc<dyn Backend>> {
-        self.0.as_ref().map(|given| &given.0)
+        self.0.as_ref()
     }
 }
 
@@ -64,7 +60,7 @@ impl Source {
     /// Solves the linear systems of the case with this backend.
     #[must_use]
     pub fn solved_by(self, backend: Arc<dyn Backend>) -> Source {
-        Source { backend: GivenBackend(Some(Box::new(SharedBackend(backend)))), ..self }
+        Source { backend: GivenBackend(Some(backend)), ..self }
     }
 
     /// Restricts the source to files in the folder of the case.
@@ -183,7 +179,7 @@ pub enum CaseError {
     #[error("{}", lines(file, faults, *more))]
     Faults {
         /// The file as it is, without overrides; the spans of the faults are spans of its text.
-        file: Source,
+        file: Box<Source>,
         /// The faults in the order of their places: the first of them if there are many.
         faults: Vec<CaseFault>,
         /// Number of faults left out.
@@ -197,7 +193,7 @@ impl CaseError {
         faults.sort_by_key(|fault| fault.place.order());
         let more = faults.len().saturating_sub(MOST);
         faults.truncate(MOST);
-        CaseError::Faults { file: file.clone(), faults, more }
+        CaseError::Faults { file: Box::new(file.clone()), faults, more }
     }
 }
 
