@@ -75,7 +75,7 @@ fn refine(
     (progress, interrupt): (Progress, Arc<AtomicBool>),
     common: &Common,
 ) -> Result<(), CommandFailure> {
-    Folder::check(out, common.force)?;
+    common.team.first(|| Folder::check(out, common.force))?;
     // What is made before the mesh is found is not kept: the program then ends at once.
     progress.begin_refining();
     let settings = Settings::default();

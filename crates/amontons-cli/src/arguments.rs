@@ -8,6 +8,8 @@ use amontons::hypotheses;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+use crate::team::Team;
+
 /// Contact of deformable bodies with friction and heat
 #[derive(Debug, Parser)]
 #[command(
@@ -376,6 +378,9 @@ pub struct Common {
     /// Replace existing results in the folder once the new run has made its first step
     #[arg(long)]
     pub force: bool,
+    /// The processes that execute the command together
+    #[arg(skip)]
+    pub team: Team,
 }
 
 /// Which hypotheses a run evaluates.
@@ -423,7 +428,7 @@ impl Common {
     /// The case in a file, as these arguments allow it to be read.
     pub fn source(&self, file: &Path) -> Result<Source, CaseError> {
         let source = case::source(file)?;
-        Ok(if self.confine { source.confined() } else { source })
+        Ok(self.team.source(if self.confine { source.confined() } else { source }))
     }
 
     /// The case in a file, with the overrides of these arguments.
@@ -476,6 +481,22 @@ impl Command {
             | Command::New { .. }
             | Command::Man { .. }
             | Command::Completions { .. } => None,
+        }
+    }
+
+    /// The arguments that most commands have, mutable.
+    pub fn common_mut(&mut self) -> Option<&mut Common> {
+        match self {
+            Command::Run { common, .. }
+            | Command::Resume { common, .. }
+            | Command::Check { common, .. }
+            | Command::Converge { common, .. }
+            | Command::Modes { common, .. }
+            | Command::Gradient { common, .. }
+            | Command::Fit { common, .. }
+            | Command::Verify { common, .. }
+            | Command::Reproduce { common, .. } => Some(common),
+            _ => None,
         }
     }
 }

@@ -21,9 +21,9 @@ pub fn execute(file: &Path, of: &[String], with: &[String], common: &Common) -> 
         case::parameter(&source, &common.set, key).map_err(|fault| CommandFailure::Request(fault.to_string()))
     };
     let parameters = with.iter().map(parameter).collect::<Result<Vec<Parameter>, CommandFailure>>()?;
-    let folder = GradientFolder::create(&out, common.force)?;
+    let folder = common.team.first(|| GradientFolder::create(&out, common.force))?;
     let progress = Progress::new(common);
-    let flag = progress.interrupt_flag();
+    let flag = common.team.interrupt(&progress.interrupt_flag());
     let request = GradientRequest {
         problem: &case.problem,
         probes: &case.probes,
@@ -35,7 +35,9 @@ pub fn execute(file: &Path, of: &[String], with: &[String], common: &Common) -> 
     let made = gradient(&request);
     drop(progress);
     let table = made?;
-    folder.finish((&table.csv(), &table), &case.text, &case.inputs)?;
+    common
+        .team
+        .first(|| folder.map_or(Ok(()), |folder| folder.finish((&table.csv(), &table), &case.text, &case.inputs)))?;
     match common.format {
         OutputFormat::Json => print::json(&serde_json::json!(table))?,
         OutputFormat::Text if common.quiet => {}

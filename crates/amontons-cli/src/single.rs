@@ -15,6 +15,7 @@ use crate::arguments::{CertificateChoice, Common, OutputFormat};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::CommandFailure;
+use crate::team::OfFirst;
 
 /// The results folder of a run from its start; with `again` one that is not there.
 pub fn folder(case: &Case, again: bool, common: &Common) -> PathBuf {
@@ -32,8 +33,11 @@ pub fn run_into(
     common: &Common,
 ) -> Result<(), CommandFailure> {
     let certificate = choice.of(case);
-    let settings = settings(case, out, certificate, (&progress, interrupt));
-    let folder = Folder::create(out, FolderOptions { tables, ..options(case, certificate, common) })?;
+    let settings = settings(case, out, certificate, (&progress, common.team.interrupt(&interrupt)));
+    // What is known of an earlier run is read by all processes before the folder changes.
+    common.team.wait();
+    let create = || Folder::create(out, FolderOptions { tables, ..options(case, certificate, common) });
+    let folder = common.team.first(create)?;
     drive(case, None, (folder, out, after), &settings, progress, common)
 }
 
@@ -59,17 +63,20 @@ pub fn resume(dir: &Path, after: After, choice: CertificateChoice, common: &Comm
     let certificate = choice.asked().unwrap_or_else(|| output::has_certificate(dir).unwrap_or(true));
     let options = options(&case, certificate, common);
     let (folder, checkpoint) = if same {
-        (Folder::reopen(dir, options)?, Checkpoint::read(dir, &case.identity())?)
+        let folder = common.team.first(|| Folder::reopen(dir, options))?;
+        (folder, Checkpoint::read(dir, &case.identity())?)
     } else {
-        let _lock = FolderLock::take(dir)?;
+        let _lock = common.team.first(|| FolderLock::take(dir))?;
         let checkpoint = Checkpoint::read(dir, &case.identity())?;
-        (Folder::copy(dir, out, options)?, checkpoint)
+        (common.team.first(|| Folder::copy(dir, out, options))?, checkpoint)
     };
     if let Some((why, step)) = checkpoint.as_ref().and_then(|c| Some((c.fallback.as_ref()?, c.state.step))) {
         note(&format!("{why}; going on from the checkpoint before, of step {step}"), common);
     }
-    let interrupt = progress.interrupt_flag();
+    let interrupt = common.team.interrupt(&progress.interrupt_flag());
     let settings = settings(&case, dir, certificate, (&progress, interrupt));
+    // All processes have read the checkpoint before the run replaces it.
+    common.team.wait();
     drive(&case, checkpoint, (folder, out, after), &settings, progress, common)
 }
 
@@ -107,19 +114,23 @@ fn options(case: &Case, certificate: bool, common: &Common) -> FolderOptions {
 fn drive(
     case: &Case,
     from: Option<Checkpoint>,
-    (mut folder, out, after): (Folder, &Path, After),
+    (mut folder, out, after): (Option<Folder>, &Path, After),
     settings: &Settings,
     progress: Progress,
     common: &Common,
 ) -> Result<(), CommandFailure> {
     let mut steps = StepSink(&progress);
-    let mut sinks: Vec<&mut dyn Sink> = vec![&mut folder, &mut steps];
+    let mut written = OfFirst { team: &common.team, sink: folder.as_mut().map(|folder| folder as &mut dyn Sink) };
+    let mut sinks: Vec<&mut dyn Sink> = vec![&mut written, &mut steps];
     let result = match from {
         Some(checkpoint) => run::resume(&case.problem, checkpoint, settings, &mut sinks),
         None => run::run(&case.problem, settings, &mut sinks),
     };
     // The progress bar is removed before the summary is printed.
     drop(progress);
+    let Some(folder) = folder else {
+        return result.map(|_| ()).map_err(|error| CommandFailure::Run { error, hint: None });
+    };
     folder.notes().iter().for_each(|text| note(text, common));
     let quiet = common.quiet || common.format == OutputFormat::Json;
     match result {

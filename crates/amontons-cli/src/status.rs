@@ -2,7 +2,6 @@
 
 use std::io;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use amontons::adjoint::GradientError;
 use amontons::case::{CaseError, StudyRequestError};
@@ -64,6 +63,8 @@ pub enum CommandFailure {
     Exists(PathBuf),
     /// Standard output cannot be written.
     Print(io::Error),
+    /// The first of several processes has failed with this exit code, and says why.
+    Elsewhere(u8),
 }
 
 impl From<CaseError> for CommandFailure {
@@ -161,6 +162,7 @@ impl CommandFailure {
             CommandFailure::Modes(StabilityError::Problem(_)) => CASE,
             CommandFailure::Modes(StabilityError::Solve(SolveError::Interrupted)) => INTERRUPTED,
             CommandFailure::Modes(_) => SOLVER,
+            CommandFailure::Elsewhere(code) => ("elsewhere", *code),
             CommandFailure::Mesh(error) if error.is_unreadable() => FILE,
             CommandFailure::Mesh(_) => MESH,
             CommandFailure::Constants(_) => SOLVER,
@@ -198,6 +200,11 @@ impl CommandFailure {
         }
     }
 
+    /// The exit code.
+    pub fn code(&self) -> u8 {
+        self.class().1
+    }
+
     pub fn message(&self) -> String {
         match self {
             CommandFailure::Case(error) => error.to_string(),
@@ -230,6 +237,7 @@ impl CommandFailure {
             }
             CommandFailure::Fit { error, .. } => error.to_string(),
             CommandFailure::Exists(path) => format!("{} already exists; give another name", path.display()),
+            CommandFailure::Elsewhere(_) => OutputError::Elsewhere.to_string(),
             CommandFailure::Print(error) => format!("cannot write to standard output: {error}"),
         }
     }
@@ -277,13 +285,12 @@ impl CommandFailure {
     }
 
     /// Prints the failure and returns its exit code.
-    pub fn report(&self, format: OutputFormat) -> ExitCode {
-        let (_, code) = self.class();
+    pub fn report(&self, format: OutputFormat) -> u8 {
         // A reader that closes the pipe has seen what it wanted.
         if let CommandFailure::Print(error) = self
             && error.kind() == io::ErrorKind::BrokenPipe
         {
-            return ExitCode::SUCCESS;
+            return 0;
         }
         if format == OutputFormat::Json && !matches!(self, CommandFailure::Print(_)) {
             // If standard output fails, the exit code still shows the failure.
@@ -294,7 +301,7 @@ impl CommandFailure {
                 _ => print::error(&self.message(), self.hint()),
             }
         }
-        ExitCode::from(code)
+        self.code()
     }
 }
 

@@ -80,10 +80,13 @@ impl VerifyTarget<'_> {
 
 fn chosen<'a>(names: &'a [String], common: &Common) -> Result<Vec<VerifyTarget<'a>>, CommandFailure> {
     if names.is_empty() {
-        return Ok(BENCHMARKS.iter().map(|(name, text)| VerifyTarget::Case(benchmark(name, text))).collect());
+        return Ok(BENCHMARKS
+            .iter()
+            .map(|(name, text)| VerifyTarget::Case(common.team.source(benchmark(name, text))))
+            .collect());
     }
     let target = |name: &'a String| match BENCHMARKS.iter().find(|(known, _)| known == name) {
-        Some((name, text)) => Ok(VerifyTarget::Case(benchmark(name, text))),
+        Some((name, text)) => Ok(VerifyTarget::Case(common.team.source(benchmark(name, text)))),
         None if Path::new(name).is_dir() && common.set.is_empty() => Ok(VerifyTarget::Folder(name)),
         None if Path::new(name).is_dir() => Err(CommandFailure::Usage(format!(
             "{name} is a results folder, whose figures are recomputed from its files: --set has no meaning there; verify the case file instead"

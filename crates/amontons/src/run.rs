@@ -517,6 +517,15 @@ impl Backend for Timed {
     fn proves(&self, matrix: &BlockMatrix, layout: &Layout) -> bool {
         self.backend.proves(matrix, layout)
     }
+    fn is_collective(&self) -> bool {
+        self.backend.is_collective()
+    }
+    fn alone(&self) -> Option<Arc<dyn Backend>> {
+        self.backend.alone()
+    }
+    fn reason(&self) -> Option<String> {
+        self.backend.reason()
+    }
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         self.backend.is_positive_definite(matrix, layout)
     }

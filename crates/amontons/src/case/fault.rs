@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::files::Files;
+use crate::linalg::Backend;
 
 /// The text of a case, its name in messages, and the files that it may refer to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,7 +18,31 @@ pub struct Source {
     pub text: String,
     /// The files that it may refer to.
     pub files: Files,
+    /// The backend that solves its linear systems in place of that of `solver.solver`, if any.
+    pub backend: GivenBackend,
 }
+
+/// A backend that a program gives to a case, or none.
+#[derive(Clone, Debug, Default)]
+pub struct GivenBackend(Option<Arc<dyn Backend>>);
+
+impl GivenBackend {
+    /// The backend, or `None` if the case chooses its own.
+    pub(super) fn get(&self) -> Option<&Arc<dyn Backend>> {
+        self.0.as_ref()
+    }
+}
+
+impl PartialEq for GivenBackend {
+    fn eq(&self, other: &GivenBackend) -> bool {
+        match (self.get(), other.get()) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        }
+    }
+}
+
+impl Eq for GivenBackend {}
 
 impl Source {
     /// The text with a file in memory, under a name that it may use.
@@ -29,7 +54,13 @@ impl Source {
 
     /// A text that refers to no files.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
-        Source { name: name.into(), text: text.into(), files: Files::None }
+        Source { name: name.into(), text: text.into(), files: Files::None, backend: GivenBackend::default() }
+    }
+
+    /// Solves the linear systems of the case with this backend.
+    #[must_use]
+    pub fn solved_by(self, backend: Arc<dyn Backend>) -> Source {
+        Source { backend: GivenBackend(Some(backend)), ..self }
     }
 
     /// Restricts the source to files in the folder of the case.
@@ -148,7 +179,7 @@ pub enum CaseError {
     #[error("{}", lines(file, faults, *more))]
     Faults {
         /// The file as it is, without overrides; the spans of the faults are spans of its text.
-        file: Source,
+        file: Box<Source>,
         /// The faults in the order of their places: the first of them if there are many.
         faults: Vec<CaseFault>,
         /// Number of faults left out.
@@ -162,7 +193,7 @@ impl CaseError {
         faults.sort_by_key(|fault| fault.place.order());
         let more = faults.len().saturating_sub(MOST);
         faults.truncate(MOST);
-        CaseError::Faults { file: file.clone(), faults, more }
+        CaseError::Faults { file: Box::new(file.clone()), faults, more }
     }
 }
 

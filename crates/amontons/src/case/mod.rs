@@ -65,7 +65,7 @@ mod table;
 mod text;
 mod verify;
 
-pub use fault::{CaseError, CaseFault, FaultPlace, Source};
+pub use fault::{CaseError, CaseFault, FaultPlace, GivenBackend, Source};
 pub use files::Files;
 pub use gradient::{family, parameter, settings};
 pub use library::{KnownMaterial, materials};

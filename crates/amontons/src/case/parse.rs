@@ -145,11 +145,14 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     // An override may end the run before the times of checks in the file; `verify` reports those that it lacks.
     let has_other_end =
         set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end") || path.is_in("phase"));
-    let (case, findings) = match DeTable::parse(&text) {
+    let (mut case, findings) = match DeTable::parse(&text) {
         Ok(changed) => build_case(changed.get_ref(), &source.files, has_other_end),
         Err(error) => (None, vec![whole(error.message())]),
     };
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
+    if let (Some((case, _)), Some(backend)) = (&mut case, source.backend.get()) {
+        case.problem = case.problem.solved_by(backend);
+    }
     match case {
         Some((mut case, references)) if faults.is_empty() => {
             case.overrides = overrides.to_vec();

@@ -16,7 +16,7 @@ use super::system::{
 use crate::discretization::Warmed;
 use crate::inclusion::residual::Residual;
 use crate::inclusion::{Drive, Drives, Frame, Multipliers, PointDerivative, PointState, Solved};
-use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
+use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, join, map, map_block, max_abs, zeros};
 use crate::state::{Rigid, State};
 use crate::tensor::Point;
 
@@ -113,7 +113,8 @@ impl Mechanics {
             equation.given.advance(step, &settled.drives, &settled.lengths);
             let next = if is_linear {
                 let states = settled.found.states.clone();
-                rayon::join(|| equation.expand(half, &now, settled), || beside.with_rest(&states)).0?
+                let expand = || equation.expand(half, &now, settled);
+                join(half.system.is_collective(), expand, || beside.with_rest(&states)).0?
             } else {
                 let next = equation.expand(half, &now, settled)?;
                 equation.shortened(half, &now, next, previous)?
@@ -311,6 +312,7 @@ impl<'a> Equation<'a> {
         let drives = step.drives(&self.given.advance);
         let frames = |lengths: &[f64]| self.seen(now, &drives, lengths).into_owned().frames;
         let driven = Drives { all: &drives, frames: &frames };
+        let is_collective = system.is_collective();
         let (Solved { iterations, loose, held, .. }, lengths) = system
             .settle(&mut x, &now.w, |condensed, r| {
                 let contact = || {
@@ -321,7 +323,7 @@ impl<'a> Equation<'a> {
                     let (mut solved, lengths) = term.solve_driven(condensed, [r, &guess], &mut multipliers, &driven)?;
                     Ok((std::mem::take(&mut solved.x), (solved, lengths)))
                 };
-                rayon::join(contact, || beside.with_contact()).0
+                join(is_collective, contact, || beside.with_contact()).0
             })
             .map_err(|why| step.failed("mechanics", why))?;
         let increments = &x[system.unknowns().interior..];

@@ -8,7 +8,7 @@ use super::predictor;
 use super::system::HalfStep;
 use crate::discretization::Discretization;
 use crate::inclusion::Loose;
-use crate::linalg::{Account, Backend, Choice, Decided, SolveError, System, TangentKey};
+use crate::linalg::{Account, Backend, Choice, Decided, SolveError, System, TangentKey, join};
 use crate::problem::Problem;
 use crate::time::{Analysis, Rule, Start};
 
@@ -51,7 +51,8 @@ impl Systems {
         };
         let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
-        let (mechanics, heat) = rayon::join(
+        let (mechanics, heat) = join(
+            backend.is_collective(),
             || physics.has_mechanics().then(mechanics).transpose(),
             || physics.has_heat().then(heat).transpose(),
         );
@@ -156,7 +157,9 @@ impl Systems {
         let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
         let is_iterative = self.all().any(|system| system.name() == "iterative");
         let choice = self.all().find_map(System::choice);
-        let mut backend_reason = choice.map_or_else(|| Choice::ASKED.to_owned(), |choice| choice.why.clone());
+        let given = self.all().find_map(System::reason);
+        let asked = || given.unwrap_or_else(|| Choice::ASKED.to_owned());
+        let mut backend_reason = choice.map_or_else(asked, |choice| choice.why.clone());
         if self.all().any(|system| system.condensed().account().is_left) {
             backend_reason += "; the iteration took more work than predicted and was left for a factor";
         }

@@ -22,7 +22,8 @@ use serde::Serialize;
 use crate::element::ShapeTable;
 use crate::forms;
 use crate::linalg::{
-    Backend, BlockMatrix, Eigenpair, Entry, Graph, Layout, Pencil, Quotient, SolveError, System, Unknowns, dot, largest,
+    Backend, BlockMatrix, Eigenpair, Entry, Graph, Layout, Pencil, Quotient, SolveError, System, Unknowns, dot, join,
+    largest,
 };
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -113,7 +114,7 @@ pub(super) fn constants_on(problem: &Problem, mass: &BlockMatrix) -> Result<Doma
         let gradient = || forms::d(mesh, graph, &[&Sym::identity(mesh.dim)]);
         constants_of(&on, &q, gradient, [TracePart::Whole])
     };
-    let (mechanics, heat) = rayon::join(mechanics, heat);
+    let (mechanics, heat) = join(problem.backend.is_collective(), mechanics, heat);
     let ((c_k, [s1, s1_normal, s1_tangential]), (c_f, [s2])) = (mechanics?, heat?);
     Ok(DomainConstants { c_k, c_f, s1, s1_normal, s1_tangential, s2 })
 }

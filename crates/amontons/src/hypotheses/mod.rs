@@ -41,7 +41,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::Contact;
 use crate::discretization::Discretization;
-use crate::linalg::SolveError;
+use crate::linalg::{SolveError, join};
 use crate::problem::{Physics, Problem};
 use crate::time::During;
 
@@ -249,8 +249,8 @@ fn certificate_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) ->
         return Ok(pairs::certificate(problem));
     }
     let discrete = &forms();
-    let (domain, unique) =
-        rayon::join(|| domain::constants_on(problem, &discrete.mass), || step::unique(problem, discrete));
+    let domain = || domain::constants_on(problem, &discrete.mass);
+    let (domain, unique) = join(problem.backend.is_collective(), domain, || step::unique(problem, discrete));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
     let mut findings = judged(problem, &constants);
     if !problem.physics.has_mechanics() {

@@ -29,6 +29,12 @@ pub enum SolveError {
     /// The computation was asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// A library that solves the systems failed.
+    #[error("the library that solves the linear systems failed: {message}")]
+    Library {
+        /// What it says.
+        message: String,
+    },
     /// An iteration did not reach the requested residual.
     #[error(
         "the linear system of {size} unknowns is not solved after {iterations} iterations: relative residual {residual:.3e}"
@@ -50,7 +56,7 @@ impl SolveError {
     pub fn is_unsolved(&self) -> bool {
         match self {
             SolveError::NotPositive { .. } | SolveError::Singular { .. } | SolveError::NotConverged { .. } => true,
-            SolveError::Memory { .. } | SolveError::Interrupted => false,
+            SolveError::Memory { .. } | SolveError::Interrupted | SolveError::Library { .. } => false,
         }
     }
 }

@@ -38,6 +38,23 @@ pub trait Backend: Debug + Send + Sync {
         None
     }
 
+    /// True if several processes work on each call together, so that the calls must have the same order in all of them:
+    /// then no two are made from different threads at a time.
+    fn is_collective(&self) -> bool {
+        false
+    }
+
+    /// The backend that takes the place of a collective one for what a single process computes, as for its results;
+    /// `None` if this one will do.
+    fn alone(&self) -> Option<Arc<dyn Backend>> {
+        None
+    }
+
+    /// Why systems are solved as they are, in words, if neither the case nor the program has chosen.
+    fn reason(&self) -> Option<String> {
+        None
+    }
+
     /// Chooses the solver for systems with a matrix of this pattern, with the reason.
     fn choice(&self, estimate: &Estimate) -> Choice {
         Choice::asked("direct", estimate)
@@ -60,6 +77,15 @@ pub trait Backend: Debug + Send + Sync {
         let unknowns = self.order(&matrix, &Layout { contact: &[], ..*layout });
         has_factor(self.factorize(&matrix, &unknowns))
     }
+}
+
+/// Computes both in parallel, or one after the other if both may call a backend of several processes.
+pub(crate) fn join<A: Send, B: Send>(
+    is_collective: bool,
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if is_collective { (first(), second()) } else { rayon::join(first, second) }
 }
 
 /// True if a factorization found every pivot positive.

@@ -51,6 +51,12 @@ impl System {
         Ok(())
     }
 
+    /// True if several processes work on each system together: see [`Backend::is_collective`].
+    #[must_use]
+    pub fn is_collective(&self) -> bool {
+        self.backend.is_collective()
+    }
+
     /// The unknowns in elimination order.
     #[must_use]
     pub fn unknowns(&self) -> &Unknowns {
@@ -90,6 +96,12 @@ impl System {
     #[must_use]
     pub fn choice(&self) -> Option<&Choice> {
         self.unknowns.choice.as_deref()
+    }
+
+    /// Why systems are solved as they are, in words, if neither the case nor the program has chosen.
+    #[must_use]
+    pub fn reason(&self) -> Option<String> {
+        self.backend.reason()
     }
 
     /// Number of stored entries of the factor; a sweep reads them once.

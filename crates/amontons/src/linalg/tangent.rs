@@ -149,6 +149,12 @@ impl Tangent {
         self.shares.iter().map(|(unknown, _)| *unknown)
     }
 
+    /// The unknowns that points and springs see, some several times.
+    pub fn touched(&self) -> impl Iterator<Item = u32> + '_ {
+        let of_springs = self.springs.iter().flat_map(|spring| spring.vector.iter().map(|(at, _)| *at));
+        self.unknowns().chain(of_springs)
+    }
+
     /// The entries per point, one point after the other.
     pub fn points(&self) -> impl Iterator<Item = Vec<Entry>> + '_ {
         self.points.iter().map(|point| self.of_point(point).collect())

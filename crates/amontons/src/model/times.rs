@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::supports::{holds_temperature, rigid_motions};
 use crate::field::Coefficient;
 use crate::forms;
-use crate::linalg::{BlockMatrix, Graph, Layout, Quotient, System, largest};
+use crate::linalg::{BlockMatrix, Graph, Layout, Quotient, System, join, largest};
 use crate::material::{Branch, Material};
 use crate::mesh::defects::components;
 use crate::problem::Problem;
@@ -37,7 +37,8 @@ impl Times {
         let parts = components(&problem.mesh);
         // A singular form may still have a factor by round-off.
         let held = rigid_motions(problem, &parts).iter().all(|motions| *motions == 0);
-        let (first_period, heat) = rayon::join(
+        let (first_period, heat) = join(
+            problem.backend.is_collective(),
             || held.then(|| period(problem, &graph)).flatten(),
             || holds_temperature(problem, &parts).then(|| heat(problem, &graph)).flatten(),
         );

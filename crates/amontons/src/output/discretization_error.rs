@@ -109,9 +109,11 @@ impl PhaseBounds {
         if self.prepared.as_ref().is_none_or(|(known, _)| *known != phase) {
             self.prepared = Some((phase, Majorant::new(now.problem, now.discretization)));
         }
+        // A sink works in one process, even if several solve.
+        let problem = now.problem.alone();
         let (_, prepared) = self.prepared.as_mut()?;
         Some(match prepared {
-            Ok(majorant) => majorant.at(now.problem, now.discretization, (now.state, report)),
+            Ok(majorant) => majorant.at(&problem, now.discretization, (now.state, report)),
             Err(refused) => Err(refused.clone()),
         })
     }

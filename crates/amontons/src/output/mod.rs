@@ -213,6 +213,9 @@ pub enum OutputError {
         /// The error of the system.
         source: io::Error,
     },
+    /// The process that writes could not; it says why.
+    #[error("the results cannot be written: the first process says why")]
+    Elsewhere,
     /// The folder holds results that would be lost.
     #[error("{} holds {found}; {advice}", path.display())]
     HoldsResults {

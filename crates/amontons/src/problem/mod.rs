@@ -247,6 +247,17 @@ impl Problem {
         )
     }
 
+    /// Returns the problem as a single process may use it, without the others.
+    pub(crate) fn alone(&self) -> Problem {
+        self.backend.alone().map_or_else(|| self.clone(), |backend| self.solved_by(&backend))
+    }
+
+    /// Returns the problem with another backend for its linear systems.
+    #[must_use]
+    pub fn solved_by(&self, backend: &Arc<dyn Backend>) -> Problem {
+        Problem(ProblemData { backend: Arc::clone(backend), ..self.0.clone() }, self.1.clone())
+    }
+
     /// Returns the problem with the displacement δ(t) of each loaded obstacle as found by a run, by number of the
     /// contact.
     #[must_use]

@@ -4,21 +4,20 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::kept::KeptMatrix;
 use super::local::ContactBlocks;
-use super::masked::MaskedMatrix;
 use super::precondition::Preconditioner;
 use super::relieved::Relieved;
 use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
 use crate::linalg::relief::Account;
-use crate::linalg::schur::STIFFLESS;
 use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::StopFlag;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
-use crate::linalg::vectors::{BLOCK, add_combination, copy, dot, max_abs, zeros};
+use crate::linalg::vectors::{add_combination, copy, dot, max_abs, zeros};
 
 /// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
 /// GMRES stores two vectors per product, so the number of products is [`NUMBERS`] over the number of unknowns, within
@@ -36,14 +35,7 @@ const SEEN: f64 = 1e-10;
 /// The operator, with the preconditioner of the last tangent.
 #[derive(Debug)]
 pub(super) struct Iterative {
-    matrix: Arc<BlockMatrix>,
-    unknowns: Unknowns,
-    /// Per degree of freedom: true if it is unknown, and the number of the unknown.
-    free: Vec<bool>,
-    positions: Vec<Option<u32>>,
-    scale: Vec<f64>,
-    /// Motions of rigid bodies without stiffness, with the stiffness of their bodies.
-    stiffless: Vec<(u32, f64)>,
+    kept: KeptMatrix,
     /// Turned bases by unknown, and by degree of freedom.
     turns: Vec<Turn>,
     turns_by_degree: Vec<Turn>,
@@ -60,34 +52,8 @@ pub(super) struct Iterative {
 
 impl Iterative {
     pub fn new(matrix: &Arc<BlockMatrix>, unknowns: &Unknowns, stop: StopFlag) -> Iterative {
-        let (n, _) = matrix.block_shape();
-        let mut free = vec![false; matrix.graph().len() * n];
-        for &dof in &unknowns.dofs {
-            free[dof as usize] = true;
-        }
-        let diagonal = |dof: usize| matrix.get(dof / n, dof % n, dof / n, dof % n);
-        let mean = |dof: &u32| {
-            let node = *dof as usize / n;
-            let own: Vec<f64> = (node * n..node * n + n).filter(|&d| free[d]).map(diagonal).collect();
-            own.iter().sum::<f64>() / own.len().max(1) as f64
-        };
-        let mut scale: Vec<f64> = unknowns.dofs.iter().map(mean).collect();
-        let mut stiffless = Vec::new();
-        for (unknown, value) in unknowns.rigid_stiffness(matrix) {
-            if let Some(own) = scale.get_mut(unknown).filter(|own| own.abs() < STIFFLESS * value) {
-                *own = value;
-                stiffless.extend(unknowns.dofs.get(unknown).map(|dof| (*dof, value)));
-            }
-        }
-        let positions = unknowns.positions(free.len());
-        let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
         Iterative {
-            matrix,
-            unknowns,
-            free,
-            positions,
-            scale,
-            stiffless,
+            kept: KeptMatrix::new(matrix, unknowns),
             turns: Vec::new(),
             turns_by_degree: Vec::new(),
             preconditioner: None,
@@ -100,25 +66,6 @@ impl Iterative {
         }
     }
 
-    /// Extends a vector of unknowns to all degrees of freedom, with zeros.
-    fn spread(&self, x: &[f64]) -> Vec<f64> {
-        let of_unknown = |position: &Option<u32>| position.map_or(0.0, |at| x[at as usize]);
-        self.positions.par_iter().with_min_len(BLOCK).map(of_unknown).collect()
-    }
-
-    /// K with the data of its degrees of freedom.
-    fn body(&self) -> MaskedMatrix<'_> {
-        let Unknowns { points, frames, rigid, .. } = &self.unknowns;
-        MaskedMatrix {
-            matrix: &self.matrix,
-            points,
-            free: &self.free,
-            frames: &frames.0,
-            rigid,
-            stiffless: &self.stiffless,
-        }
-    }
-
     /// (S + J) x.
     fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
         let mut y = self.product(x);
@@ -127,9 +74,9 @@ impl Iterative {
     }
 
     fn product(&self, x: &[f64]) -> Vec<f64> {
-        let mut straight = self.spread(x);
+        let mut straight = self.kept.spread(x);
         self.turns_by_degree.iter().for_each(|turn| turn.back(&mut straight));
-        let mut y = self.unknowns.pick(&self.matrix.apply(&straight));
+        let mut y = self.kept.unknowns().pick(&self.kept.matrix().apply(&straight));
         self.turns.iter().for_each(|turn| turn.forward(&mut y));
         y
     }
@@ -141,15 +88,15 @@ impl Iterative {
             return Ok(());
         }
         let preconditioner = self.preconditioner.take();
-        if let (None, Some(relief)) = (&preconditioner, &self.unknowns.relief) {
+        if let (None, Some(relief)) = (&preconditioner, &self.kept.unknowns().relief) {
             relief.count_matrix(&mut self.account);
         }
-        let body = self.body();
+        let body = self.kept.masked();
         let mut preconditioner = match preconditioner {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
         };
-        let by_degree = self.by_degree(&tangent.spread(&self.scale));
+        let by_degree = self.kept.spread_springs(tangent);
         preconditioner.add(&body, &by_degree, &self.turns_by_degree)?;
         (self.preconditioner, self.tangent) = (Some(preconditioner), Some(tangent.clone()));
         Ok(())
@@ -158,8 +105,8 @@ impl Iterative {
     /// An approximate solution of (S + J) x = r, r over all degrees of freedom.
     fn precondition(&self, r: Vec<f64>) -> Vec<f64> {
         match &self.preconditioner {
-            Some(preconditioner) => self.unknowns.pick(&preconditioner.apply(&self.body(), r)),
-            None => self.unknowns.pick(&r),
+            Some(preconditioner) => self.kept.unknowns().pick(&preconditioner.apply(&self.kept.masked(), r)),
+            None => self.kept.unknowns().pick(&r),
         }
     }
 
@@ -170,7 +117,7 @@ impl Iterative {
 
     /// L r by unknown, on the degrees of freedom where contact acts.
     fn solution(&self, r: &[f64]) -> Vec<(usize, f64)> {
-        let position = |dof: u32| self.positions[dof as usize].map(|at| at as usize);
+        let position = |dof: u32| self.kept.positions()[dof as usize].map(|at| at as usize);
         let Some(local) = self.touched() else { return Vec::new() };
         let solution = local.solution(|dof| position(dof).map_or(0.0, |at| r[at]));
         solution.into_iter().filter_map(|(dof, value)| Some((position(dof)?, value))).collect()
@@ -179,7 +126,7 @@ impl Iterative {
     /// Weighs a residual: where contact acts, by the displacement that it means, times the stiffness of K.
     fn weigh(&self, r: &mut [f64]) {
         for (unknown, x) in self.solution(r) {
-            r[unknown] = self.scale[unknown] * x;
+            r[unknown] = self.kept.scale()[unknown] * x;
         }
     }
 
@@ -192,9 +139,9 @@ impl Iterative {
 
     /// Inverse of the weighing: the residual over all degrees of freedom.
     fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
-        let mut r = self.spread(weighed);
+        let mut r = self.kept.spread(weighed);
         if let Some(local) = self.touched() {
-            let scale = |dof: u32| self.positions[dof as usize].map_or(1.0, |at| self.scale[at as usize]);
+            let scale = |dof: u32| self.kept.positions()[dof as usize].map_or(1.0, |at| self.kept.scale()[at as usize]);
             for (dof, load) in local.load(|dof| r[dof as usize] / scale(dof)) {
                 r[dof as usize] = load;
             }
@@ -243,7 +190,7 @@ impl Iterative {
     /// Counts products.
     fn count(&mut self, products: usize) {
         self.iterations += products;
-        if let Some(relief) = &self.unknowns.relief {
+        if let Some(relief) = &self.kept.unknowns().relief {
             relief.count_products(&mut self.account, products);
         }
     }
@@ -251,9 +198,10 @@ impl Iterative {
     /// True if a system with this tangent may be solved by a factor instead: the factor keeps the unknowns of Γ_C and
     /// cannot represent a term elsewhere, as that of a proximal step.
     fn may_be_relieved_of(&self, tangent: &Tangent) -> bool {
-        let (components, _) = self.matrix.block_shape();
-        let node = |unknown: u32| self.unknowns.dofs.get(unknown as usize).map(|dof| dof / components.max(1) as u32);
-        self.unknowns.relief.as_ref().is_some_and(|relief| {
+        let (components, _) = self.kept.matrix().block_shape();
+        let node =
+            |unknown: u32| self.kept.unknowns().dofs.get(unknown as usize).map(|dof| dof / components.max(1) as u32);
+        self.kept.unknowns().relief.as_ref().is_some_and(|relief| {
             let is_kept = |node: u32| relief.contact.binary_search(&node).is_ok();
             !self.has_no_factor && tangent.unknowns().all(|unknown| node(unknown).is_some_and(is_kept))
         })
@@ -266,7 +214,7 @@ impl Iterative {
 
     /// Number of products after which the iteration is replaced by the factor.
     fn products_left(&self, tangent: &Tangent) -> usize {
-        match &self.unknowns.relief {
+        match &self.kept.unknowns().relief {
             Some(relief) if self.may_be_relieved_of(tangent) => relief.products_left(&self.account),
             _ => usize::MAX,
         }
@@ -274,9 +222,9 @@ impl Iterative {
 
     /// The factor that replaces the iteration, made once, or `None` if it cannot be made.
     fn factor(&mut self) -> Result<Option<&mut Relieved>, SolveError> {
-        if let (None, Some(relief)) = (&self.relieved, &self.unknowns.relief) {
+        if let (None, Some(relief)) = (&self.relieved, &self.kept.unknowns().relief) {
             self.preconditioner = None;
-            match Relieved::new(&self.matrix, &self.unknowns, &self.free, relief, &self.stop) {
+            match Relieved::new(self.kept.matrix(), self.kept.unknowns(), self.kept.free(), relief, &self.stop) {
                 Ok(made) => self.relieved = Some(made),
                 Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
                 Err(_) => self.has_no_factor = true,
@@ -290,15 +238,15 @@ impl Iterative {
         if !self.is_relieved_of(tangent) {
             return Ok(None);
         }
-        let mut straight = self.spread(b);
+        let mut straight = self.kept.spread(b);
         self.turns_by_degree.iter().for_each(|turn| turn.back(&mut straight));
-        let (turns, by_degree) = (self.turns_by_degree.clone(), self.by_degree(tangent));
+        let (turns, by_degree) = (self.turns_by_degree.clone(), self.kept.by_degree(tangent));
         let Some(factor) = self.factor()? else { return Ok(None) };
         let mut x = factor.solve(&by_degree, &turns, &straight)?;
         for turn in &turns {
             turn.forward(&mut x);
         }
-        Ok(Some(self.unknowns.pick(&x)))
+        Ok(Some(self.kept.unknowns().pick(&x)))
     }
 
     /// True if S + J is positive definite, by the factor, or `None` if the iteration is not replaced by it.
@@ -306,14 +254,9 @@ impl Iterative {
         if !self.is_relieved_of(tangent) {
             return Ok(None);
         }
-        let (turns, by_degree) = (self.turns_by_degree.clone(), self.by_degree(tangent));
+        let (turns, by_degree) = (self.turns_by_degree.clone(), self.kept.by_degree(tangent));
         let Some(factor) = self.factor()? else { return Ok(None) };
         factor.is_positive_definite(&by_degree, &turns).map(Some)
-    }
-
-    /// The tangent with its unknowns numbered by degree of freedom.
-    fn by_degree(&self, tangent: &Tangent) -> Tangent {
-        tangent.renamed(|unknown| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default())
     }
 
     /// Iterates from x = 0 until the residual is `wanted` of b, and returns the solution and its relative residual. It
@@ -332,7 +275,7 @@ impl Iterative {
             let (change, made) = if has_energy {
                 let solved = conjugate_gradients(
                     product,
-                    |r| self.precondition(self.spread(r)),
+                    |r| self.precondition(self.kept.spread(r)),
                     &rest,
                     |r| self.weight(r),
                     goal,
@@ -364,7 +307,7 @@ impl Iterative {
 
 impl Condensed for Iterative {
     fn scale(&self) -> &[f64] {
-        &self.scale
+        self.kept.scale()
     }
 
     fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
@@ -372,7 +315,7 @@ impl Condensed for Iterative {
     }
 
     fn magnitude(&self, x: &[f64]) -> Result<f64, SolveError> {
-        Ok(max_abs(&self.unknowns.pick(&self.matrix.magnitude(&self.spread(x)))))
+        Ok(max_abs(&self.kept.unknowns().pick(&self.kept.matrix().magnitude(&self.kept.spread(x)))))
     }
 
     fn solve(&mut self, tangent: &Tangent, b: &mut [f64], enough: f64) -> Result<(), SolveError> {
@@ -384,7 +327,7 @@ impl Condensed for Iterative {
             return Ok(());
         }
         self.prepare(tangent)?;
-        if let Some(relief) = &self.unknowns.relief {
+        if let Some(relief) = &self.kept.unknowns().relief {
             relief.count_system(&mut self.account);
         }
         let (x, left) = self.iterate(tangent, b, enough)?;
@@ -418,7 +361,7 @@ impl Condensed for Iterative {
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
-        let precondition = |r: &[f64]| self.precondition(self.spread(r));
+        let precondition = |r: &[f64]| self.precondition(self.kept.spread(r));
         let solved = conjugate_gradients(product, precondition, &b, norm, SEEN, PRODUCTS[0] * LOOKS)?;
         self.count(solved.iterations);
         match solved.definite {
@@ -434,10 +377,8 @@ impl Condensed for Iterative {
 
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
-            let dof = |unknown: u32| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default();
             self.turns = turns.to_vec();
-            self.turns_by_degree =
-                turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(dof), ..*turn }).collect();
+            self.turns_by_degree = self.kept.turns_by_degree(turns);
             self.tangent = None;
         }
     }

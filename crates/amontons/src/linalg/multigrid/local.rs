@@ -23,7 +23,7 @@ use crate::tensor::Point;
 /// The nodes that contact touches, with J in the bases of the turns. Vectors over them, with the degrees of freedom of
 /// the nodes one after the other, are small beside those of the body, which are read and written at these nodes only.
 #[derive(Debug)]
-pub(super) struct ContactBlocks {
+pub struct ContactBlocks {
     solver: LocalFactor,
     /// Nodes on which the local system is solved and nodes with turned unknowns, with their degrees of freedom; and J
     /// and the turns, both numbered by place among these.
@@ -54,7 +54,7 @@ impl ContactBlocks {
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn new(
+    pub(super) fn new(
         body: &MaskedMatrix,
         tangent: &Tangent,
         turns: &[Turn],
@@ -87,17 +87,21 @@ impl ContactBlocks {
     }
 
     /// L r, by degree of freedom.
-    pub fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+    pub(super) fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         self.by_degree(self.solver.solution(|place| r(self.dofs[place as usize])))
     }
 
     /// L⁻¹ x, by degree of freedom.
-    pub fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
-        let x = |place: u32| x(self.dofs[place as usize]);
-        self.by_degree(match &self.solver {
+    pub(super) fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+        self.by_degree(self.load_at(|place: u32| x(self.dofs[place as usize])))
+    }
+
+    /// L⁻¹ x, by place.
+    fn load_at(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+        match &self.solver {
             LocalFactor::Surface(surface) => surface.load(x),
             LocalFactor::Nodes(nodes) => products(nodes, |node| &node.block, x),
-        })
+        }
     }
 
     /// Renumbers values from places to degrees of freedom.
@@ -110,7 +114,7 @@ impl ContactBlocks {
 
     /// Approximate solution of (K + J) x = r by `cycle`, which works in the axes of space, between two local solutions
     /// where contact acts: a symmetric operator if J is symmetric.
-    pub fn around(&self, body: &MaskedMatrix, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    pub(super) fn around(&self, body: &MaskedMatrix, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
         let own = self.taken(&r);
         let before = self.solved(&own);
         self.put(&self.straight(self.without_forces(&own, &before)), &mut r);
@@ -126,6 +130,26 @@ impl ContactBlocks {
         x
     }
 
+    /// Degrees of freedom of the local vectors, ascending.
+    #[must_use]
+    pub fn dofs(&self) -> &[u32] {
+        &self.dofs
+    }
+
+    /// Weighs a local residual: the displacement L r that it means, times the stiffness of K per degree of freedom.
+    pub fn weigh(&self, r: &mut [f64], scale: impl Fn(u32) -> f64) {
+        for (place, x) in self.solver.solution(|place| r[place as usize]) {
+            r[place as usize] = scale(self.dofs[place as usize]) * x;
+        }
+    }
+
+    /// Inverse of [`ContactBlocks::weigh`].
+    pub fn unweigh(&self, weighed: &mut [f64], scale: impl Fn(u32) -> f64) {
+        for (place, load) in self.load_at(|place| weighed[place as usize] / scale(self.dofs[place as usize])) {
+            weighed[place as usize] = load;
+        }
+    }
+
     /// Reads the local entries of a vector of the body.
     fn taken(&self, of_body: &[f64]) -> Vec<f64> {
         self.dofs.iter().map(|&dof| of_body[dof as usize]).collect()
@@ -136,19 +160,23 @@ impl ContactBlocks {
         self.dofs.iter().zip(here).for_each(|(&dof, here)| of_body[dof as usize] = *here);
     }
 
-    /// Transforms a local vector into the bases of the turns; `straight` transforms it back into the axes of space.
-    fn turned(&self, mut x: Vec<f64>) -> Vec<f64> {
+    /// Transforms a local vector into the bases of the turns; [`ContactBlocks::straight`] transforms it back.
+    #[must_use]
+    pub fn turned(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.turns.iter().for_each(|turn| turn.forward(&mut x));
         x
     }
 
-    fn straight(&self, mut x: Vec<f64>) -> Vec<f64> {
+    /// Transforms a local vector from the bases of the turns into the axes of space.
+    #[must_use]
+    pub fn straight(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.turns.iter().for_each(|turn| turn.back(&mut x));
         x
     }
 
     /// Local solution L r.
-    fn solved(&self, r: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn solved(&self, r: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; r.len()];
         for (place, value) in self.solver.solution(|place| r[place as usize]) {
             x[place as usize] = value;
@@ -157,7 +185,8 @@ impl ContactBlocks {
     }
 
     /// Residual r − J x.
-    fn without_forces(&self, r: &[f64], x: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn without_forces(&self, r: &[f64], x: &[f64]) -> Vec<f64> {
         let mut rest = r.to_vec();
         self.tangent.add_product(-1.0, x, &mut rest);
         rest

@@ -8,6 +8,7 @@ mod aggregate;
 mod blocks;
 mod condensed;
 mod hierarchy;
+mod kept;
 mod local;
 mod masked;
 mod precondition;
@@ -28,6 +29,8 @@ use super::stop::StopFlag;
 use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
+pub use kept::{ContactParts, KeptMatrix};
+pub use local::ContactBlocks;
 
 /// Backend of conjugate gradients or GMRES with smoothed aggregation.
 #[derive(Debug, Clone, Default)]
@@ -49,17 +52,7 @@ impl Backend for Multigrid {
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
-        let (components, _) = matrix.block_shape();
-        let rigid: Vec<usize> = unknowns.rigid_stiffness(matrix).into_iter().map(|(unknown, _)| unknown).collect();
-        // Rigid motions that contact alone holds have a stiffness of round-off size.
-        let own = unknowns.dofs.iter().enumerate().filter(|(unknown, _)| !rigid.contains(unknown));
-        for (pivot, &dof) in own {
-            let (node, c) = (dof as usize / components, dof as usize % components);
-            let diagonal = matrix.get(node, c, node, c);
-            if diagonal <= 0.0 || diagonal.is_nan() {
-                return Err(SolveError::NotPositive { pivot, size: unknowns.len() });
-            }
-        }
+        KeptMatrix::checked(matrix, unknowns)?;
         Ok(Box::new(WholeMatrix { matrix: Arc::clone(matrix), unknowns: unknowns.clone(), stop: self.stop.clone() }))
     }
 

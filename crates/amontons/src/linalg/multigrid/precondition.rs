@@ -51,7 +51,7 @@ impl Preconditioner {
         let is_untouched = tangent.is_empty() && turns.is_empty();
         let before = self.local.take();
         self.local = if is_untouched { None } else { Some(ContactBlocks::new(body, tangent, turns, before.as_ref())?) };
-        self.hierarchy.add(&softened(body, tangent, &bases));
+        self.hierarchy.add(&summed(body, &softened(body, tangent, &bases)));
         Ok(())
     }
 
@@ -71,10 +71,10 @@ impl Preconditioner {
 }
 
 /// A block of J at a node, or between two: row, column, and its entries.
-type Joint = (u32, u32, [f64; 9]);
+pub(super) type Joint = (u32, u32, [f64; 9]);
 
 /// Contribution of contact to the levels, in the axes of space: J, with its forces at a node capped at [`FIRM`].
-fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>) -> BlockRowMatrix<f64> {
+pub(super) fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>) -> Vec<Joint> {
     let (n, _) = body.matrix.block_shape();
     let mut joints: Vec<Joint> = Vec::new();
     let mut alone: Vec<Entry> = Vec::new();
@@ -97,6 +97,27 @@ fn softened(body: &MaskedMatrix, tangent: &Tangent, bases: &BTreeMap<usize, [Poi
         joints.push((node as u32, node as u32, padded(&cut)));
     }
     joints.sort_by_key(|(i, j, _)| (*i, *j));
+    joints
+}
+
+/// J as it is, in the axes of space, a block per pair of nodes.
+pub(super) fn joined(body: &MaskedMatrix, tangent: &Tangent, at: &BTreeMap<usize, [Point; 3]>) -> Vec<Joint> {
+    let (n, _) = body.matrix.block_shape();
+    let size = n as u32;
+    let mut summed: BTreeMap<(u32, u32), Vec<f64>> = BTreeMap::new();
+    for (i, j, value) in tangent.entries() {
+        let block = summed.entry((i / size, j / size)).or_insert_with(|| vec![0.0; n * n]);
+        block[(i % size * size + j % size) as usize] += value;
+    }
+    let basis = |node: u32| at.get(&(node as usize)).unwrap_or(&AXES);
+    let straight =
+        |((i, j), block): ((u32, u32), Vec<f64>)| (i, j, padded(&in_basis(&block, [basis(i), basis(j)], n, false)));
+    summed.into_iter().map(straight).collect()
+}
+
+/// The matrix of sorted blocks.
+fn summed(body: &MaskedMatrix, joints: &[Joint]) -> BlockRowMatrix<f64> {
+    let (n, _) = body.matrix.block_shape();
     let rows = body.free.len() / n;
     BlockRowMatrix::from_rows(rows, rows, [n, n], |range| {
         let mut made = BlockRowBuilder::default();
@@ -180,34 +201,46 @@ fn padded(block: &[f64]) -> [f64; 9] {
 fn restricted(body: &MaskedMatrix) -> BlockRowMatrix<f64> {
     let (n, _) = body.matrix.block_shape();
     let nodes = body.free.len() / n;
-    let kept = |i: usize, j: usize, k: usize| body.free[i * n + k / n] && body.free[j * n + k % n];
-    let soft = |dof: usize| {
-        let known = body.stiffless.iter().find(|(motion, _)| *motion as usize == dof);
-        known.map_or(0.0, |(_, value)| SOFT * value)
-    };
-    let stands = |i: usize, j: usize| i == j || (0..n * n).any(|k| kept(i, j, k));
     let (mut start, mut columns) = (Vec::with_capacity(nodes + 1), Vec::new());
     start.push(0);
     for i in 0..nodes {
-        columns.extend(body.matrix.graph().row(i).iter().filter(|&&j| stands(i, j as usize)));
+        columns.extend(body.matrix.graph().row(i).iter().filter(|&&j| has_unknowns(body, i, j as usize)));
         start.push(columns.len() as u32);
     }
     BlockRowMatrix::filled([n, n], nodes, (start, columns), |rows, values| {
         let blocks = rows.flat_map(|i| body.matrix.row(i).map(move |(j, block)| (i, j, block)));
-        let standing = blocks.filter(|(i, j, _)| stands(*i, *j));
+        let standing = blocks.filter(|(i, j, _)| has_unknowns(body, *i, *j));
         for ((i, j, block), out) in standing.zip(values.chunks_exact_mut(n * n)) {
-            for (k, (out, value)) in out.iter_mut().zip(block).enumerate() {
-                let alone = f64::from(u8::from(i == j && k / n == k % n));
-                let soft = if alone > 0.0 { soft(i * n + k % n) } else { 0.0 };
-                *out = if kept(i, j, k) { *value + soft } else { alone * value.abs().max(f64::MIN_POSITIVE) };
-            }
+            fill_level_block(body, [i, j], block, out);
         }
     })
 }
 
+/// True if a block of the matrix restricted to the unknowns is on the diagonal, or both of its nodes have unknowns.
+pub(super) fn has_unknowns(body: &MaskedMatrix, i: usize, j: usize) -> bool {
+    let (n, _) = body.matrix.block_shape();
+    let any = |node: usize| body.free[node * n..node * n + n].contains(&true);
+    i == j || (any(i) && any(j))
+}
+
+/// Fills a block of the matrix restricted to the unknowns.
+pub(super) fn fill_level_block(body: &MaskedMatrix, [i, j]: [usize; 2], block: &[f64], out: &mut [f64]) {
+    let (n, _) = body.matrix.block_shape();
+    let soft = |dof: usize| {
+        let known = body.stiffless.iter().find(|(motion, _)| *motion as usize == dof);
+        known.map_or(0.0, |(_, value)| SOFT * value)
+    };
+    for (k, (out, value)) in out.iter_mut().zip(block).enumerate() {
+        let alone = f64::from(u8::from(i == j && k / n == k % n));
+        let soft = if alone > 0.0 { soft(i * n + k % n) } else { 0.0 };
+        let is_kept = body.free[i * n + k / n] && body.free[j * n + k % n];
+        *out = if is_kept { *value + soft } else { alone * value.abs().max(f64::MIN_POSITIVE) };
+    }
+}
+
 /// Modes of nearly zero energy, a block of n × m per node, and m: translations and rotations of a body in the plane or
 /// in space; constants otherwise. Modes are zero at prescribed degrees of freedom.
-fn modes(body: &MaskedMatrix, n: usize) -> (Vec<f64>, usize) {
+pub(super) fn modes(body: &MaskedMatrix, n: usize) -> (Vec<f64>, usize) {
     let nodes = body.free.len() / n;
     let m = if body.points.len() == nodes { [1, 1, 3, 6].get(n).copied().unwrap_or(n) } else { n };
     let mean: Point =

@@ -1,0 +1,59 @@
+//! The commands of `amontons`, for the program of that name and for `amontons-mpi`, in which several processes execute a
+//! command together.
+
+mod accuracy;
+mod after;
+mod arguments;
+mod commands;
+mod constants;
+mod converge;
+mod explain;
+mod faults;
+mod fit;
+mod gradient;
+mod import;
+mod materials;
+mod model;
+mod modes;
+mod new;
+mod plain;
+mod print;
+mod progress;
+mod reproduce;
+mod signals;
+mod single;
+mod status;
+mod sweep;
+mod team;
+mod threads;
+mod variants;
+mod verify;
+mod voices;
+
+use clap::Parser;
+
+pub use team::{Processes, Team};
+
+/// Executes the command of the arguments of this process; returns its exit code.
+#[must_use]
+pub fn main(team: &Team) -> u8 {
+    signals::prepare();
+    let mut arguments = match arguments::Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // If neither output can be written, the exit code still says how it ended.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    let format = arguments.command.format();
+    if let Some(common) = arguments.command.common_mut() {
+        common.team = team.clone();
+    }
+    let (threads, command) = (arguments.command.threads(), arguments.command);
+    let work = || team.allows(&command).and_then(|()| commands::execute(command));
+    match threads::within(threads, work) {
+        Ok(()) => 0,
+        Err(failure) => failure.report(format),
+    }
+}
