@@ -1,5 +1,8 @@
 //! Compiles the C part with the headers of PETSc and MPI, and links them.
 
+/// What installs them on Debian.
+const INSTALL: &str = "apt-get install --no-install-recommends libpetsc-real-dev openmpi-bin";
+
 fn main() {
     println!("cargo::rerun-if-changed=src/shim.c");
     println!("cargo::rerun-if-changed=src/shim.h");
