@@ -132,9 +132,9 @@ static PetscErrorCode around(Vec vec, const double *values)
   return VecPlaceArray(vec, (PetscScalar *)(uintptr_t)values);
 }
 
-/* A matrix of own nodes with blocks of `size`² entries, by the numbers of blocks per row among the own columns and among
- * those of other processes: for a preconditioner, or for products if `kind` is negative. Preconditioners need a matrix by
- * entries; products are faster by blocks. A matrix with the contact as it is need not be symmetric. */
+/* A matrix of own nodes with blocks of `size`² entries, by the numbers of blocks per row among the own columns and
+ * among those of other processes: for a preconditioner, or for products if `kind` is negative. Preconditioners need a
+ * matrix by entries; products are faster by blocks. A matrix with the contact as it is need not be symmetric. */
 int am_matrix_new(int nodes, int size, int kind, const int *inside, const int *outside, am_matrix **out)
 {
   am_matrix *made;
