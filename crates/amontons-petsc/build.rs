@@ -1,5 +1,8 @@
 //! Compiles the C part with the headers of PETSc and MPI, and links them.
 
+/// What installs them on Debian.
+const INSTALL: &str = "apt-get install --no-install-recommends libpetsc-real-dev openmpi-bin";
+
 fn main() {
     println!("cargo::rerun-if-changed=src/shim.c");
     println!("cargo::rerun-if-changed=src/shim.h");
@@ -10,9 +13,7 @@ fn main() {
         ["PETSc", "petsc"].iter().find_map(|name| pkg_config::Config::new().atleast_version("3.18").probe(name).ok());
     let mpi = ["ompi-c", "mpich", "mpi-c", "mpi"].iter().find_map(|name| pkg_config::probe_library(name).ok());
     let (Some(petsc), Some(mpi)) = (found, mpi) else {
-        println!(
-            "cargo::error=PETSc 3.18 and MPI are not found by pkg-config; on Debian: apt-get install --no-install-recommends libpetsc-real-dev openmpi-bin"
-        );
+        println!("cargo::error=PETSc 3.18 and MPI are not found by pkg-config; on Debian: {INSTALL}");
         return;
     };
     for library in [petsc, mpi] {

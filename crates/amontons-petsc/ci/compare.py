@@ -15,8 +15,8 @@ import re
 import sys
 import zlib
 
-# What is no result: counts, which a point without force may change by round-off, the time and what is made of it, and the
-# centre of the contact forces, which is a moment over a force that may vanish: both are compared.
+# What is no result: counts, which a point without force may change by round-off, the time and what is made of it, and
+# the centre of the contact forces, which is a moment over a force that may vanish: both are compared.
 PASSED = re.compile(
     r"newton|passes|contraction|closing_error|contact_center|^(open|stick|slip|status|parts|step|t|k|node|side)(@|$)"
 )

@@ -14,16 +14,16 @@ use crate::rows::{Rows, Seen};
 use crate::session::{Session, Step, mark};
 use crate::sys::{Broken, Iterated, LevelKind, Matrix, Solver, Way};
 
-/// Number of rows up to which the preconditioner is a factor that every process has, and number up to which it becomes a
-/// distributed factor once a system has taken [`MANY`] products with levels.
+/// Number of rows up to which the preconditioner is a factor that every process has, and number up to which it becomes
+/// a distributed factor once a system has taken [`MANY`] products with levels.
 const SMALL: usize = 3000;
 const MIDDLE: usize = 300_000;
 const MANY: usize = 200;
 /// Products that cost as much as to fill the levels anew.
 const FILLING: usize = 10;
 /// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
-/// GMRES stores two vectors per product: the number of products is [`NUMBERS`] over the number of own rows, within these
-/// limits.
+/// GMRES stores two vectors per product: the number of products is [`NUMBERS`] over the number of own rows, within
+/// these limits.
 const PRODUCTS: [usize; 2] = [60, 400];
 const NUMBERS: usize = 1 << 24;
 const LOOKS: usize = 10;

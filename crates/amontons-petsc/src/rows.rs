@@ -1,8 +1,8 @@
 //! Which process owns which rows: whole nodes, near to one another.
 //!
 //! The mesh is on every process, so nodes are divided by their positions: the box around them is cut across its longest
-//! edge, again and again, into parts with as many blocks of the matrix as there are processes. This takes no library and
-//! gives the same parts everywhere.
+//! edge, again and again, into parts with as many blocks of the matrix as there are processes. This takes no library
+//! and gives the same parts everywhere.
 
 use amontons::linalg::{BlockMatrix, SolveError};
 use amontons::tensor::Point;

@@ -192,7 +192,7 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A number for the bits of some vectors: two processes that have different bits have different numbers, but for chance.
+/// A number for the bits of some vectors: different bits have different numbers, but for chance.
 pub(crate) fn mark(vectors: &[&[f64]]) -> u64 {
     let mix = |mark: u64, value: &f64| (mark ^ value.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     vectors.iter().flat_map(|vector| vector.iter()).fold(0x2545_f491_4f6c_dd1d, mix)

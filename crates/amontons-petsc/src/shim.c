@@ -29,7 +29,8 @@ static PetscErrorCode keep(MPI_Comm comm, int line, const char *function, const 
                            PetscErrorType type, const char *text, void *context)
 {
   (void)comm, (void)line, (void)file, (void)context;
-  if (type == PETSC_ERROR_INITIAL) snprintf(message, sizeof message, "%s: %s", function ? function : "PETSc", text ? text : "no message");
+  if (type == PETSC_ERROR_INITIAL)
+    snprintf(message, sizeof message, "%s: %s", function ? function : "PETSc", text ? text : "no message");
   return code ? code : PETSC_ERR_LIB;
 }
 
@@ -108,11 +109,17 @@ void am_unmute(void)
   while ((length = read(hidden, text, sizeof text)) > 0) say(text, length);
 }
 
-int am_largest(uint64_t *values, int count) { return mpi(MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_UINT64_T, MPI_MAX, PETSC_COMM_WORLD)); }
+int am_largest(uint64_t *values, int count)
+{
+  return mpi(MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_UINT64_T, MPI_MAX, PETSC_COMM_WORLD));
+}
 
 int am_share(void *bytes, int count) { return mpi(MPI_Bcast(bytes, count, MPI_BYTE, 0, PETSC_COMM_WORLD)); }
 
-int am_sum(double *values, int count) { return mpi(MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD)); }
+int am_sum(double *values, int count)
+{
+  return mpi(MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD));
+}
 
 int am_gather(const double *own, int count, double *all, const int *counts, const int *starts)
 {
@@ -120,11 +127,14 @@ int am_gather(const double *own, int count, double *all, const int *counts, cons
 }
 
 /* A vector over the own entries of `values`, which are not copied. */
-static PetscErrorCode around(Vec vec, const double *values) { return VecPlaceArray(vec, (PetscScalar *)(uintptr_t)values); }
+static PetscErrorCode around(Vec vec, const double *values)
+{
+  return VecPlaceArray(vec, (PetscScalar *)(uintptr_t)values);
+}
 
-/* A matrix of own nodes with blocks of `size`² entries, by the numbers of blocks per row among the own columns and among
- * those of other processes: for a preconditioner, or for products if `kind` is negative. Preconditioners need a matrix by
- * entries; products are faster by blocks. A matrix with the contact as it is need not be symmetric. */
+/* A matrix of own nodes with blocks of `size`² entries, by the numbers of blocks per row among the own columns and
+ * among those of other processes: for a preconditioner, or for products if `kind` is negative. Preconditioners need a
+ * matrix by entries; products are faster by blocks. A matrix with the contact as it is need not be symmetric. */
 int am_matrix_new(int nodes, int size, int kind, const int *inside, const int *outside, am_matrix **out)
 {
   am_matrix *made;

@@ -1,8 +1,8 @@
 /* Plain functions over PETSc and MPI, so that their types and macros stay in C, where the compiler checks them.
  *
- * Every function returns 0, or an error code; am_error has the message then. Those on matrices, on
- * solvers and on values of all processes are collective: every process has to call them in the same order. Rows are numbered so that each process owns
- * a range of them. Vectors are the entries of the own rows. */
+ * Every function returns 0, or an error code; am_error has the message then. Those on matrices, on solvers and on values
+ * of all processes are collective: every process has to call them in the same order. Rows are numbered so that each
+ * process owns a range of them. Vectors are the entries of the own rows. */
 #ifndef AMONTONS_SHIM_H
 #define AMONTONS_SHIM_H
 

@@ -174,7 +174,8 @@ unsafe impl Send for Matrix {}
 unsafe impl Sync for Matrix {}
 
 impl Matrix {
-    /// A matrix for a preconditioner, or else for products, with these numbers of blocks per own node among the own columns and among those of other processes.
+    /// A matrix for a preconditioner, or else for products, with these numbers of blocks per own node among the own
+    /// columns and among those of other processes.
     pub fn new(size: usize, kind: Option<LevelKind>, [inside, outside]: [&[i32]; 2]) -> Result<Matrix, Failure> {
         let mut raw = ptr::null_mut();
         let (nodes, kind) = (inside.len(), kind.map_or(-1, |kind| kind as c_int));
