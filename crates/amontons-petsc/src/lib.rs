@@ -2,8 +2,8 @@
 //!
 //! Mesh and state are on every process, and every process runs the same program. The rows of K, its products and its
 //! solutions are distributed: conjugate gradients or GMRES of PETSc with smoothed aggregation (GAMG) and rigid motions,
-//! between two local solutions where contact acts. The command `amontons-mpi` is made of this; see the chapter "Several
-//! machines" of the guide.
+//! between two local solutions where contact acts. The command `amontons-mpi` is made of this; see the page "Several
+//! processes" of the guide.
 //!
 //! Results have the same bits on all processes of a run, but not with another number of processes.
 
