@@ -1,5 +1,5 @@
-//! The commands of `amontons`, for the program of that name and for `amontons-mpi`, in which several processes execute a
-//! command together.
+//! The commands of `amontons`, for the program of that name and for `amontons-mpi`, in which several processes execute
+//! a command together.
 
 mod accuracy;
 mod after;
@@ -51,7 +51,7 @@ pub fn main(team: &Team) -> u8 {
         common.team = team.clone();
     }
     let (threads, command) = (arguments.command.threads(), arguments.command);
-    let work = || team.allows(&command).and_then(|()| commands::execute(command));
+    let work = || commands::allowed(&command, team).and_then(|()| commands::execute(command));
     match threads::within(threads, work) {
         Ok(()) => 0,
         Err(failure) => failure.report(format),

@@ -18,6 +18,7 @@ use amontons::verify::VerifyError;
 use serde_json::{Value, json};
 
 use crate::arguments::OutputFormat;
+use crate::team::Team;
 use crate::{faults, print};
 
 /// The reason why a command failed.
@@ -319,5 +320,23 @@ fn of_checkpoint(error: &CheckpointError) -> Class {
         | CheckpointError::Damaged { .. }
         | CheckpointError::Version { .. }
         | CheckpointError::Missing { .. } => FILE,
+    }
+}
+
+impl Team {
+    /// What the first process makes; `None` in the others, which wait until it has succeeded.
+    ///
+    /// # Errors
+    /// That of the first process, and [`CommandFailure::Elsewhere`] in the others.
+    pub fn first<T, E: Into<CommandFailure>>(
+        &self,
+        make: impl FnOnce() -> Result<T, E>,
+    ) -> Result<Option<T>, CommandFailure> {
+        let made = self.is_first().then(make).transpose().map_err(Into::into);
+        let code = self.share(made.as_ref().err().map_or(0, CommandFailure::code));
+        match made {
+            Ok(None) if code != 0 => Err(CommandFailure::Elsewhere(code)),
+            made => made,
+        }
     }
 }

@@ -9,9 +9,6 @@ use amontons::case::Source;
 use amontons::linalg::Backend;
 use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
 
-use crate::arguments::Command;
-use crate::status::CommandFailure;
-
 /// Several processes that execute the same command. All calls but that of [`Processes::is_first`] are made by all of
 /// them, in the same order.
 pub trait Processes: Debug + Send + Sync {
@@ -54,21 +51,14 @@ impl Team {
         self.0.as_ref().map_or_else(|| Arc::clone(asked), |processes| processes.agreed(asked))
     }
 
-    /// What the first process makes; `None` in the others, which wait until it has succeeded.
-    ///
-    /// # Errors
-    /// That of the first process, and [`CommandFailure::Elsewhere`] in the others.
-    pub fn first<T, E: Into<CommandFailure>>(
-        &self,
-        make: impl FnOnce() -> Result<T, E>,
-    ) -> Result<Option<T>, CommandFailure> {
-        let made = self.is_first().then(make).transpose().map_err(Into::into);
-        let Some(processes) = &self.0 else { return made };
-        let code = processes.share(made.as_ref().err().map_or(0, CommandFailure::code));
-        match made {
-            Ok(None) if code != 0 => Err(CommandFailure::Elsewhere(code)),
-            made => made,
-        }
+    /// The exit code that the first process passes, or that of this one alone.
+    pub fn share(&self, of_first: u8) -> u8 {
+        self.0.as_ref().map_or(of_first, |processes| processes.share(of_first))
+    }
+
+    /// True if several processes execute the command.
+    pub fn is_several(&self) -> bool {
+        self.0.is_some()
     }
 
     /// Waits for all processes, so that what the first one writes afterwards is not read by the others before.
@@ -76,23 +66,6 @@ impl Team {
         self.0.iter().for_each(|processes| {
             processes.share(0);
         });
-    }
-
-    /// Refuses commands that several processes cannot execute together.
-    ///
-    /// # Errors
-    /// [`CommandFailure::Usage`] if the command is such.
-    pub fn allows(&self, command: &Command) -> Result<(), CommandFailure> {
-        let works = match command {
-            Command::Run { each, .. } => each.is_empty(),
-            Command::Resume { .. } | Command::Verify { .. } | Command::Gradient { .. } => true,
-            _ => false,
-        };
-        if self.0.is_none() || works {
-            return Ok(());
-        }
-        let known = "run without --each, resume, verify and gradient";
-        Err(CommandFailure::Usage(format!("several processes execute {known}; use the program amontons for the rest")))
     }
 }
 

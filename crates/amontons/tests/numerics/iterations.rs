@@ -269,7 +269,8 @@ fn newton_takes_the_steps_that_it_takes_with_a_factor() {
     assert!(iterative.counts.krylov_iterations <= 17 * newton, "{} iterations", iterative.counts.krylov_iterations);
 }
 
-/// Two thin plates that lap, pressed together where they do; the upper one is pulled along the first axis of [`turned`].
+/// Two thin plates that lap, pressed together where they do; the upper one is pulled along the first axis of the turned
+/// mesh.
 const LAP: &str = r#"
 name = "lap"
 [time]
