@@ -484,18 +484,13 @@ impl Command {
         }
     }
 
-    /// The arguments that most commands have, mutable.
-    pub fn common_mut(&mut self) -> Option<&mut Common> {
+    /// The arguments of a command that several processes can execute together, or `None`.
+    pub fn shared(&mut self) -> Option<&mut Common> {
         match self {
-            Command::Run { common, .. }
-            | Command::Resume { common, .. }
-            | Command::Check { common, .. }
-            | Command::Converge { common, .. }
-            | Command::Modes { common, .. }
-            | Command::Gradient { common, .. }
-            | Command::Fit { common, .. }
-            | Command::Verify { common, .. }
-            | Command::Reproduce { common, .. } => Some(common),
+            Command::Run { each, common, .. } if each.is_empty() => Some(common),
+            Command::Resume { common, .. } | Command::Verify { common, .. } | Command::Gradient { common, .. } => {
+                Some(common)
+            }
             _ => None,
         }
     }

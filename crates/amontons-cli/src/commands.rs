@@ -14,7 +14,6 @@ use crate::after::{self, After};
 use crate::arguments::{Arguments, Command, Common, OutputFormat};
 use crate::print;
 use crate::status::CommandFailure;
-use crate::team::Team;
 use crate::{
     accuracy, constants, converge, explain, fit, gradient, import, materials, modes, new, reproduce, single, sweep,
     verify,
@@ -183,21 +182,4 @@ fn check(file: &Path, levels: &[usize], plot: Option<&Path>, common: &Common) ->
         }
     }
     Ok(())
-}
-
-/// Refuses commands that several processes cannot execute together.
-///
-/// # Errors
-/// [`CommandFailure::Usage`] if the command is such.
-pub fn allowed(command: &Command, team: &Team) -> Result<(), CommandFailure> {
-    let works = match command {
-        Command::Run { each, .. } => each.is_empty(),
-        Command::Resume { .. } | Command::Verify { .. } | Command::Gradient { .. } => true,
-        _ => false,
-    };
-    if works || !team.is_several() {
-        return Ok(());
-    }
-    let known = "run without --each, resume, verify and gradient";
-    Err(CommandFailure::Usage(format!("several processes execute {known}; use the program amontons for the rest")))
 }

@@ -32,7 +32,12 @@ mod voices;
 
 use clap::Parser;
 
+use status::CommandFailure;
 pub use team::{Processes, Team};
+
+/// What is said of a command that several processes cannot execute together.
+const ALONE: &str =
+    "several processes execute run without --each, resume, verify and gradient; use the program amontons for the rest";
 
 /// Executes the command of the arguments of this process; returns its exit code.
 #[must_use]
@@ -47,12 +52,16 @@ pub fn main(team: &Team) -> u8 {
         }
     };
     let format = arguments.command.format();
-    if let Some(common) = arguments.command.common_mut() {
-        common.team = team.clone();
-    }
-    let (threads, command) = (arguments.command.threads(), arguments.command);
-    let work = || commands::allowed(&command, team).and_then(|()| commands::execute(command));
-    match threads::within(threads, work) {
+    let ended = match arguments.command.shared() {
+        None if team.is_several() => Err(CommandFailure::Usage(ALONE.to_owned())),
+        shared => {
+            if let Some(common) = shared {
+                common.team = team.clone();
+            }
+            threads::within(arguments.command.threads(), || commands::execute(arguments.command))
+        }
+    };
+    match ended {
         Ok(()) => 0,
         Err(failure) => failure.report(format),
     }

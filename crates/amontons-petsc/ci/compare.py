@@ -110,8 +110,9 @@ def differences(one, other):
         if len(values) != len(others):
             yield file, name, float("inf")
             continue
-        worst = max((abs(a - b) for a, b in zip(values, others) if a == a or b == b), default=0.0)
-        yield file, name, worst / scale
+        # What is no number in one of them has to be none in the other.
+        apart = (abs(a - b) if a == a and b == b else float("inf") for a, b in zip(values, others) if a == a or b == b)
+        yield file, name, max(apart, default=0.0) / scale
 
 
 def main():

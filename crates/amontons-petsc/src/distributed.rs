@@ -7,6 +7,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use amontons::linalg::limits::{LEFT, LOOKS, NEARLY, NUMBERS, PRODUCTS, SEEN};
 use amontons::linalg::{Condensed, ContactBlocks, ContactParts, KeptMatrix, SolveError, Tangent, Turn};
 
 use crate::operators::{Jump, Local, Running};
@@ -21,18 +22,6 @@ const MIDDLE: usize = 300_000;
 const MANY: usize = 200;
 /// Products that cost as much as to fill the levels anew.
 const FILLING: usize = 10;
-/// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
-/// GMRES stores two vectors per product: the number of products is [`NUMBERS`] over the number of own rows, within
-/// these limits.
-const PRODUCTS: [usize; 2] = [60, 400];
-const NUMBERS: usize = 1 << 24;
-const LOOKS: usize = 10;
-/// Accepted residual relative to the requested one.
-const NEARLY: f64 = 1.5;
-/// Relative residual above which the matrix counts as singular.
-const LEFT: f64 = 1e-2;
-/// Relative residual at which a matrix counts as positive definite: all of its extreme eigenvalues have been seen.
-const SEEN: f64 = 1e-10;
 
 /// A matrix whose rows are distributed: the same for every operator made of it.
 #[derive(Debug)]
@@ -208,8 +197,10 @@ impl Distributed {
             return Ok(());
         }
         let shared = Arc::clone(&self.shared);
-        let ContactParts { local, joints } =
-            shared.kept.contact(tangent, &self.turns_by_degree, self.kind == LevelKind::Levels)?;
+        let before = self.local.take();
+        let before = before.as_ref().map(|local| &local.blocks);
+        let in_bases = (tangent, &self.turns_by_degree[..]);
+        let ContactParts { local, joints } = shared.kept.contact(in_bases, self.kind == LevelKind::Levels, before)?;
         self.local = local.map(|blocks| self.local(blocks));
         self.add_levels(joints)?;
         self.tangent = Some(tangent.clone());

@@ -18,7 +18,7 @@ use std::sync::atomic::AtomicBool;
 
 use amontons::linalg::{
     Automatic, Backend, BlockMatrix, Choice, Condensed, Estimate, Factor, KeptMatrix, Layout, Multigrid, SolveError,
-    Tangent, Unknowns,
+    Unknowns,
 };
 
 use distributed::{Distributed, Shared};
@@ -78,16 +78,6 @@ impl Backend for Petsc {
 
     fn proves(&self, _matrix: &BlockMatrix, _layout: &Layout) -> bool {
         false
-    }
-
-    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        let matrix = layout.matrix(matrix);
-        let unknowns = self.order(&matrix, layout);
-        match self.factorize(&matrix, &unknowns) {
-            Ok(factor) => factor.condensed().is_positive_definite(&Tangent::new()),
-            Err(SolveError::NotPositive { .. }) => Ok(false),
-            Err(error) => Err(error),
-        }
     }
 }
 

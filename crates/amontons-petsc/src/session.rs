@@ -99,7 +99,7 @@ impl Session {
             if most == Step::End as u64 {
                 self.end_alone(step);
             }
-            self.fail("the processes do not make the same calls", FAILED);
+            self.fail("the processes do not make the same calls: do they have the same program and files?", FAILED);
         }
         if same != !too && step != Step::End {
             self.fail(

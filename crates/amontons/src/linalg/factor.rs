@@ -12,6 +12,7 @@ use super::condensed::Condensed;
 use super::error::SolveError;
 use super::estimate::{Choice, Decided, Estimate};
 use super::sparse::BlockMatrix;
+use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 
 /// A solver of symmetric positive definite systems.
@@ -66,16 +67,24 @@ pub trait Backend: Debug + Send + Sync {
         true
     }
 
-    /// True if a matrix is positive definite on the unknowns of the layout.
+    /// True if a matrix is positive definite on the unknowns of the layout: by a factor, or by an iteration where
+    /// [`Backend::proves`] is false.
     ///
     /// # Errors
     /// When definiteness cannot be determined.
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        // No contact unknowns: the factor is the complete Cholesky factor, which exists only for a positive definite
-        // matrix.
-        let matrix = layout.matrix(matrix);
-        let unknowns = self.order(&matrix, &Layout { contact: &[], ..*layout });
-        has_factor(self.factorize(&matrix, &unknowns))
+        let (proves, matrix) = (self.proves(matrix, layout), layout.matrix(matrix));
+        if proves {
+            // No contact unknowns: the factor is the complete Cholesky factor, which exists only for a positive
+            // definite matrix.
+            let unknowns = self.order(&matrix, &Layout { contact: &[], ..*layout });
+            return has_factor(self.factorize(&matrix, &unknowns));
+        }
+        match self.factorize(&matrix, &self.order(&matrix, layout)) {
+            Ok(factor) => factor.condensed().is_positive_definite(&Tangent::new()),
+            Err(SolveError::NotPositive { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
     }
 }
 

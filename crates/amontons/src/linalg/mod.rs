@@ -45,7 +45,7 @@ pub(crate) use factor::join;
 pub use factor::{Backend, Factor};
 pub use graph::Graph;
 pub use krylov::{Definite, Gradients, Krylov, conjugate_gradients, gmres};
-pub use multigrid::{ContactBlocks, ContactParts, KeptMatrix, Multigrid};
+pub use multigrid::{ContactBlocks, ContactParts, KeptMatrix, Multigrid, limits};
 pub use nonsymmetric::{ComplexMatrix, Pattern, Pivots};
 pub use ordering::{Ordering, column_lengths, nested_dissection};
 pub use products::{mechanical_products, thermal_products};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::kept::KeptMatrix;
+use super::limits::{LEFT, LOOKS, NEARLY, NUMBERS, PRODUCTS, SEEN};
 use super::local::ContactBlocks;
 use super::precondition::Preconditioner;
 use super::relieved::Relieved;
@@ -18,19 +19,6 @@ use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 use crate::linalg::vectors::{add_combination, copy, dot, max_abs, zeros};
-
-/// Smallest and largest number of products between two checks of the true residual, and the largest number of checks.
-/// GMRES stores two vectors per product, so the number of products is [`NUMBERS`] over the number of unknowns, within
-/// these limits.
-const PRODUCTS: [usize; 2] = [60, 400];
-const NUMBERS: usize = 1 << 24;
-const LOOKS: usize = 10;
-/// Accepted residual relative to the requested one.
-const NEARLY: f64 = 1.5;
-/// Relative residual above which the matrix counts as singular.
-const LEFT: f64 = 1e-2;
-/// Relative residual at which a matrix counts as positive definite: all of its extreme eigenvalues have been seen.
-const SEEN: f64 = 1e-10;
 
 /// The operator, with the preconditioner of the last tangent.
 #[derive(Debug)]

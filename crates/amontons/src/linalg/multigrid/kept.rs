@@ -118,7 +118,7 @@ impl KeptMatrix {
         &self.scale
     }
 
-    /// Extends a vector of unknowns to all degrees of freedom, with zeros.
+    /// Extends a vector with an entry per unknown to all degrees of freedom, with zeros.
     #[must_use]
     pub fn spread(&self, x: &[f64]) -> Vec<f64> {
         let of_unknown = |position: &Option<u32>| position.map_or(0.0, |at| x[at as usize]);
@@ -138,9 +138,9 @@ impl KeptMatrix {
         turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(dof), ..*turn }).collect()
     }
 
-    /// Row of a node for products or for levels: passes the column and the block of each node that has an unknown in
-    /// common, row by row. Prescribed degrees of freedom have their diagonal alone; in rows for levels, rigid motions
-    /// without stiffness have a little.
+    /// Row of a node of the mesh for products or for levels: passes the column and the block of each node that has an
+    /// unknown in common, row by row. Prescribed degrees of freedom have their diagonal alone; in rows for levels,
+    /// rigid motions without stiffness have a little.
     pub fn level_row(&self, node: usize, is_for_levels: bool, mut take: impl FnMut(usize, &[f64])) {
         let (n, _) = self.matrix.block_shape();
         let masked = MaskedMatrix { stiffless: if is_for_levels { &self.stiffless } else { &[] }, ..self.masked() };
@@ -158,11 +158,17 @@ impl KeptMatrix {
     }
 
     /// The contribution of a tangent to a preconditioner, in the bases of `turns`, which are numbered by degree of
-    /// freedom. For levels it is capped where contact holds a node; a factor can take it as it is.
+    /// freedom. For levels it is capped where contact holds a node; a factor can take it as it is. `before` is the
+    /// local solver of an earlier tangent.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn contact(&self, tangent: &Tangent, turns: &[Turn], is_capped: bool) -> Result<ContactParts, SolveError> {
+    pub fn contact(
+        &self,
+        (tangent, turns): (&Tangent, &[Turn]),
+        is_capped: bool,
+        before: Option<&ContactBlocks>,
+    ) -> Result<ContactParts, SolveError> {
         let (n, _) = self.matrix.block_shape();
         if tangent.is_empty() && turns.is_empty() {
             return Ok(ContactParts::default());
@@ -171,7 +177,7 @@ impl KeptMatrix {
         let bases = bases(turns, n);
         let joints =
             if is_capped { softened(&masked, &by_degree, &bases) } else { joined(&masked, &by_degree, &bases) };
-        Ok(ContactParts { local: Some(ContactBlocks::new(&masked, &by_degree, turns, None)?), joints })
+        Ok(ContactParts { local: Some(ContactBlocks::new(&masked, &by_degree, turns, before)?), joints })
     }
 
     /// The tangent by degree of freedom, with stiffness on the diagonal in place of springs.

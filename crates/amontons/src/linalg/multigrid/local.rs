@@ -136,7 +136,8 @@ impl ContactBlocks {
         &self.dofs
     }
 
-    /// Weighs a local residual: the displacement L r that it means, times the stiffness of K per degree of freedom.
+    /// Weighs a local residual: the displacement L r that it means, times the stiffness of K per degree of freedom,
+    /// which `scale` gives. Local vectors have an entry per degree of freedom of [`ContactBlocks::dofs`].
     pub fn weigh(&self, r: &mut [f64], scale: impl Fn(u32) -> f64) {
         for (place, x) in self.solver.solution(|place| r[place as usize]) {
             r[place as usize] = scale(self.dofs[place as usize]) * x;

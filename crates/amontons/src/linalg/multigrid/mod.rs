@@ -9,6 +9,7 @@ mod blocks;
 mod condensed;
 mod hierarchy;
 mod kept;
+pub mod limits;
 mod local;
 mod masked;
 mod precondition;
@@ -26,7 +27,6 @@ use super::estimate::{Choice, Estimate};
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
 use super::stop::StopFlag;
-use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
 pub use kept::{ContactParts, KeptMatrix};
@@ -66,16 +66,6 @@ impl Backend for Multigrid {
 
     fn proves(&self, _matrix: &BlockMatrix, _layout: &Layout) -> bool {
         false
-    }
-
-    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        let matrix = layout.matrix(matrix);
-        let unknowns = self.order(&matrix, layout);
-        match self.factorize(&matrix, &unknowns) {
-            Ok(factor) => factor.condensed().is_positive_definite(&Tangent::new()),
-            Err(SolveError::NotPositive { .. }) => Ok(false),
-            Err(error) => Err(error),
-        }
     }
 }
 
