@@ -69,7 +69,7 @@ fn the_bound_of_a_rod_is_its_error() {
     }
 }
 
-/// Cells of a rod that are all of another length: the bound is Σ f²h³/12, that of each cell its own.
+/// Cells of a rod that are all of another length: each has its own energy of the error, f²h³/(24 E).
 #[test]
 fn the_bound_of_an_uneven_rod_is_its_error() {
     let even = parsed(ROD, &["mesh.n=12"]);
