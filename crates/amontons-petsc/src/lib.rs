@@ -6,6 +6,7 @@
 //! processes" of the guide.
 //!
 //! Results have the same bits on all processes of a run, but not with another number of processes.
+#![cfg(feature = "petsc")]
 
 mod distributed;
 mod operators;
