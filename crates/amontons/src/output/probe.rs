@@ -9,7 +9,7 @@ use super::quantity::{Base, ContactQuantity, OF_WHOLE, Quantity, Selection};
 use super::recovery::{Recovery, SamplingPoint, Stencil, evaluate, sampling};
 use super::whole::{WholeInPhases, WholeQuantity};
 use super::{PointValues, Snapshot};
-use crate::contact::{Contact, ContactBoundary, Shares, names, read, read_vector};
+use crate::contact::{Contact, ContactBoundary, Pair, Shares, names, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{Block, CellMap, FacetMap, FacetSet, Mesh};
@@ -181,10 +181,11 @@ impl Prepared {
             _ => [read(shares, |i| value(i)[0]), 0.0, 0.0],
         };
         let contact_of = |i: usize| now.problem.contacts.get(points.get(i)?.contact);
-        let is_of_pair = |i: usize| contact_of(i).is_some_and(|contact| contact.pair.is_some());
-        // The weights of an updated pair change in every step.
+        let is_updated = |contact: &Contact| contact.pair.as_ref().is_some_and(Pair::is_updated);
+        // The weights of an updated pair change in every step. All others are those of the mesh, which is not that of
+        // the report where a probe is differentiated by the size of a body.
         let weight = |shares: &[(usize, f64)], weight: f64| match (shares, self.take) {
-            (&[(i, _)], Some(_)) if is_of_pair(i) => {
+            (&[(i, _)], Some(_)) if contact_of(i).is_some_and(is_updated) => {
                 now.report.and_then(|report| report.contact.weights.get(i)).copied().unwrap_or(weight)
             }
             _ => weight,

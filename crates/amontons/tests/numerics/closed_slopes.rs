@@ -281,3 +281,65 @@ fn the_heat_of_a_stop_has_the_derivatives_of_its_closed_form() {
         assert!(fine <= 2e-3 && middle <= 0.6 * coarse && fine <= 0.6 * middle, "{i}: {coarse:e} {middle:e} {fine:e}");
     }
 }
+
+/// A block of width 0.4 on a wider one is pressed by 1e-3 over a height of 2: E = 100 and ν = 0 give p = 0.05. The
+/// force ∫ p is 0.02 times the thickness, 0.05 per width, and the area that touches 0.4 times the thickness: the
+/// weights of the points change with both.
+#[test]
+fn integrals_over_a_pair_follow_its_size() {
+    let text = r#"
+name = "pressed"
+units = "dimensionless"
+thickness = 0.5
+[mesh]
+kind = "blocks"
+blocks = [
+  { name = "low", size = [1.0, 1.0], n = [7, 2], elements = "Q1" },
+  { name = "high", size = [0.4, 1.0], n = [3, 2], origin = [0.3, 1.0], elements = "Q1" },
+]
+[time]
+end = 1.0
+steps = 1
+[material]
+density = 0.0
+elasticity = { law = "isotropic", young = 100.0, poisson = 0.0, stress_state = "plane-stress" }
+[[boundary]]
+on = "low_bottom"
+displacement = [0, 0]
+[[boundary]]
+on = "high_top"
+displacement = [0, -1e-3]
+[contact]
+on = "high_bottom"
+with = "low_top"
+normal = { law = "signorini" }
+[[probe]]
+name = "force"
+quantity = "pressure"
+on = "high_bottom"
+take = "integral"
+[[probe]]
+name = "area"
+quantity = "touching"
+on = "high_bottom"
+take = "integral"
+"#;
+    let of = |text: &str| {
+        let keys = ["thickness", "mesh.blocks[1].size[0]"];
+        by_keys(text, &["force", "area", "final.contact.force.1"], &keys, None).expect("a gradient")
+    };
+    let found = of(text);
+    let [force, area, resultant] = [0, 1, 2].map(|o| found.outputs[o].1);
+    assert!(is_near(area, 0.2, 1e-12) && is_near(resultant, force, 1e-12), "{:?}", found.outputs);
+    let slopes = &found.derivatives;
+    // Everything is in proportion to the thickness.
+    assert!(is_near(slopes[0][0], force / 0.5, 1e-8) && is_near(slopes[1][0], 0.4, 1e-8), "{slopes:?}");
+    assert!(is_near(slopes[2][0], force / 0.5, 1e-8) && is_near(slopes[1][1], 0.5, 1e-8), "{slopes:?}");
+    // The wider block against differences of runs.
+    let [less, more] = [0.399_99, 0.400_01].map(|width: f64| {
+        let changed = text.replace("size = [0.4, 1.0]", &format!("size = [{width:?}, 1.0]"));
+        of(&changed).outputs[0].1
+    });
+    assert!(is_near(slopes[0][1], (more - less) / 2e-5, 1e-5), "{slopes:?} {}", (more - less) / 2e-5);
+    assert!(is_near(slopes[2][1], slopes[0][1], 1e-8), "{slopes:?}");
+}
