@@ -124,3 +124,40 @@ fn a_hub_at_rest_takes_no_iterations() {
         assert!(at_bound > 20, "{at_bound} points at their bounds");
     }
 }
+
+/// Blocks that overlap at the start press on each other by p = E δ/(2 l) in every step, on rigid contact and on a layer
+/// that is far stiffer: nothing but the overlap does work, and in later steps none at all, so that the identity of
+/// energy closes to the round-off of the energy that is stored.
+#[test]
+fn an_overlap_is_pressed_in_steps_that_do_no_work() {
+    for (normal, elements) in [
+        ("{ law = \"signorini\" }", "Q1"),
+        ("{ law = \"compliance\", stiffness = 1e18 }", "P1"),
+        ("{ law = \"signorini\" }", "P2"),
+    ] {
+        for overlap in [7e-6, 2.3e-6, 1.1e-7, 3.7e-9] {
+            let text = format!(
+                "name = \"overlap\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
+                 {{ name = \"a\", size = [0.1, 0.02], n = [6, 1], elements = \"{elements}\" }},\n\
+                 {{ name = \"b\", size = [0.1, 0.02], n = [3, 1], origin = [0, {:?}], elements = \"{elements}\" }},\n]\n\
+                 [time]\nend = 1\nsteps = 3\n[material]\ndensity = 0\nelasticity = {{ law = \"isotropic\", \
+                 young = 73e9, poisson = 0.0, stress_state = \"plane-stress\" }}\n[[boundary]]\non = \"a_bottom\"\n\
+                 displacement = [0, 0]\n[[boundary]]\non = \"b_top\"\ndisplacement = [0, 0]\n\
+                 [contact]\non = \"b_bottom\"\nwith = \"a_top\"\nnormal = {normal}\n",
+                0.02 - overlap
+            );
+            let memory = common::solve(&problem(&text));
+            let expected = 73e9 * overlap / 0.04;
+            for state in &memory.reports {
+                for (point, weight) in state.contact.states.iter().zip(&state.contact.weights) {
+                    let off = point.pressure / expected - 1.0;
+                    assert!(*weight <= 0.0 || off.abs() < 1e-8, "{off:e} of {expected:e}\n{text}");
+                }
+            }
+            for state in &memory.states[1..] {
+                let closing = state.ledger.relative_closing_error();
+                assert!(closing.abs() < 1e-12, "{closing:e}\n{text}");
+            }
+        }
+    }
+}
