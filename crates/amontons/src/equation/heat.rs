@@ -212,12 +212,13 @@ impl Begun {
         let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);
         let storage = c / delta * mass_theta.max(bar);
+        let acting = coupling.max(supply).max(storage);
         // A flux into a prescribed temperature may have any size and is no term of an equation.
-        let acting = coupling.max(supply).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
-        let scale = acting.max(d_theta);
+        let contact = discrete.q.largest_at(&step.boundary.nodes, &chi);
+        let scale = acting.max(contact).max(d_theta);
         let value = step.relative(max_abs(&rest), scale, "heat")?;
         [self.mass_theta, self.d_theta] = made;
-        let residual = Residual { value, scale, acting, contact: 0.0 };
+        let residual = Residual { value, scale, acting, contact };
         Ok(Balance { residual, through_contact, reactions, rubbed, sums })
     }
 
@@ -234,7 +235,7 @@ impl Begun {
         let Balance { residual, through_contact, reactions, rubbed, sums } = balance;
         let scale = residual.scale;
         let residual = step.accept(residual, "heat", |of| match of {
-            Rounded::Here => discrete.thermal_round_off(&theta),
+            Rounded::Here => discrete.thermal_round_off(&theta) + round_off_of_exchange(step, &exchange),
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
             // No gap enters the heat equation.
             Rounded::Places => 0.0,
@@ -304,6 +305,18 @@ fn through(step: &Step, exchange: &Exchange) -> (f64, f64) {
             (out + point.weight * flux.value, made)
         }
     })
+}
+
+/// Round-off in the heat that passes Γ_C from the last bits of the temperatures of both sides, W.
+fn round_off_of_exchange(step: &Step, exchange: &Exchange) -> f64 {
+    let temperatures = exchange.temperature.iter().zip(&exchange.opposite);
+    let sizes =
+        exchange.flux.iter().zip(temperatures).map(|(flux, (own, opposite))| {
+            [(flux.by_temperature * own).abs() + (flux.by_foundation * opposite).abs(); 2]
+        });
+    let mut sum = zeros(step.discrete.mesh.points.len());
+    step.boundary.scatter_heat(sizes, &mut sum);
+    f64::EPSILON * max_abs(&sum)
 }
 
 impl Step<'_> {

@@ -229,6 +229,31 @@ fn point_node(problem: &Problem, x: [f64; 3]) -> usize {
     problem.mesh.points.iter().position(|p| p.map(f64::to_bits) == x.map(f64::to_bits)).expect("a node")
 }
 
+/// Where no heat flows, both slabs have the temperature of their ends, which may be any number: the flux that the
+/// law has for the last bits of equal temperatures is none. So it is on a layer as on one that hardly resists.
+#[test]
+fn no_heat_flows_between_equal_temperatures() {
+    for (ends, conductance) in [("both", 2.5), ("both", 1e9), ("both", 1e-3), ("one", 2.5), ("one", 313.0)] {
+        for temperature in [17.3, 293.15, -1.1e3] {
+            for analysis in ["steps = 2", "analysis = \"steady\""] {
+                let pair = PAIR.replace("2.5", &format!("{conductance:?}"));
+                let hot = "[[boundary]]\non = \"hot_top\"\ntemperature = 100\n";
+                let at_hot =
+                    if ends == "both" { hot.replace("100", &format!("{temperature:?}")) } else { String::new() };
+                let text = slabs([5, 7], &pair)
+                    .replace(hot, &at_hot)
+                    .replace("temperature = 0\n", &format!("temperature = {temperature:?}\n"))
+                    .replace("steps = 2", analysis);
+                let problem = problem(&text, &[]);
+                let memory = solve(&problem);
+                let state = memory.states.last().expect("a state");
+                let off = state.theta.iter().map(|theta| (theta - temperature).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-12 * temperature.abs(), "{off:e}\n{text}");
+            }
+        }
+    }
+}
+
 /// What only mechanics gives is named, a line each.
 #[test]
 fn keys_of_mechanics_are_named() {
