@@ -6,7 +6,7 @@ use super::Motion;
 use crate::mesh::defects::Component;
 use crate::mesh::{FacetSet, Mesh};
 use crate::problem::{Problem, Support};
-use crate::space::Space;
+use crate::space::{RigidNodes, Space};
 use crate::tensor::{Point, dot};
 
 /// Fraction of the size of a motion below which a support does not prevent it: the precision of coordinates in mesh
@@ -40,18 +40,42 @@ pub fn free_motions(
             rows.push(own.iter().zip(followed).map(|(own, followed)| own - followed).collect());
         }
     }
-    // A prescribed motion of a rigid body is a sum over its nodes.
     for body in space.rigid.iter().filter(|body| body.nodes.first().is_some_and(|&node| inside(node))) {
-        let mut held = vec![vec![0.0; all.len()]; body.held];
-        for (i, &node) in body.nodes.iter().enumerate() {
-            for (row, motion) in held.iter_mut().zip(body.at(i)) {
-                row.iter_mut().zip(along(node, &motion)).for_each(|(sum, more)| *sum += more);
-            }
-        }
-        rows.extend(held);
+        rows.extend(rows_of_rigid(body, all.len(), (mesh.dim, &along)));
     }
     let kernel = kernel(all.len(), &rows);
     kernel.iter().filter_map(|a| Motion::sum(a.iter().copied().zip(&all))).collect()
+}
+
+/// What a rigid body forbids of `count` motions, whose values at a node along a direction are `along`: its prescribed
+/// motions, each a sum over its nodes, and what the motions have at its nodes beyond its own, a turn if it is guided.
+fn rows_of_rigid(
+    body: &RigidNodes,
+    count: usize,
+    (dim, along): (usize, &dyn Fn(u32, &Point) -> Vec<f64>),
+) -> Vec<Vec<f64>> {
+    let mut own = vec![vec![0.0; count]; body.motions.len()];
+    for (i, &node) in body.nodes.iter().enumerate() {
+        for (row, motion) in own.iter_mut().zip(body.at(i)) {
+            row.iter_mut().zip(along(node, &motion)).for_each(|(sum, more)| *sum += more);
+        }
+    }
+    let mut rows = Vec::new();
+    for (i, &node) in body.nodes.iter().enumerate() {
+        for axis in 0..dim {
+            let mut beyond = along(node, &std::array::from_fn(|c| f64::from(u8::from(c == axis))));
+            for (own, motion) in own.iter().zip(body.at(i)) {
+                beyond.iter_mut().zip(own).for_each(|(beyond, own)| *beyond -= own * motion[axis]);
+            }
+            beyond.iter_mut().filter(|beyond| beyond.abs() < UNSEEN).for_each(|beyond| *beyond = 0.0);
+            if beyond.iter().any(|beyond| beyond.abs() > 0.0) {
+                rows.push(beyond);
+            }
+        }
+    }
+    own.truncate(body.held);
+    rows.extend(own);
+    rows
 }
 
 /// The motions of a part without supports: along the axes, and about the centre, scaled by the inverse size of the

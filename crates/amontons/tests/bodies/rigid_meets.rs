@@ -240,3 +240,52 @@ fn a_faulty_mesh_is_refused() {
     let faults = data.check().expect_err("a faulty mesh");
     assert!(faults.to_string().contains("mesh"), "{faults}");
 }
+
+/// A foot under a guided side, which friction alone holds sideways: the guide bears the moment, so that the contact has
+/// the resultant of the load, and the foot leans the way it is pushed.
+#[test]
+fn friction_alone_holds_a_guided_side() {
+    let coulomb = "{ law = \"coulomb\", coefficient = 0.3 }";
+    for (normal, friction) in [
+        ("{ law = \"signorini\" }", coulomb),
+        ("{ law = \"compliance\", stiffness = 1e13 }", coulomb),
+        ("{ law = \"signorini\" }", "{ law = \"stick\" }"),
+        ("{ law = \"bilateral\" }", "{ law = \"tresca\", bound = 1e6 }"),
+    ] {
+        for (turn, push) in [(0.0_f64, 1e4), (0.7, 1e4), (-2.1, 1e-3), (1.3, 0.0)] {
+            let (s, c) = turn.sin_cos();
+            let turned = |x: f64, y: f64| [c * x - s * y, s * x + c * y];
+            let [fx, fy] = turned(push, -2e5);
+            let text = format!(
+                "name = \"foot\"\n[mesh]\nkind = \"rectangle\"\nsize = [0.04, 0.02]\nn = [3, 2]\nelements = \"Q1\"\n\
+                 [time]\nend = 1\nsteps = 1\n[material]\ndensity = 0\nelasticity = {{ law = \"isotropic\", young = 20e9, \
+                 poisson = 0.25, stress_state = \"plane-stress\" }}\n[[rigid]]\non = \"top\"\nforce = [{fx:?}, {fy:?}]\n\
+                 guided = true\n[contact]\non = \"bottom\"\nnormal = {normal}\nfriction = {friction}\n"
+            );
+            let problem = changed(&problem(&text), |data| {
+                let mut mesh = (*data.mesh).clone();
+                mesh.points.iter_mut().for_each(|p| {
+                    let [x, y] = turned(p[0], p[1]);
+                    *p = [x, y, 0.0];
+                });
+                data.mesh = std::sync::Arc::new(mesh);
+            });
+            let memory = solve(&problem);
+            let force = memory.reports.last().expect("a step").contact.force;
+            let off = (force[0] + fx).abs().max((force[1] + fy).abs());
+            assert!(off < 1e-9 * 2e5, "{force:?} {fx:e} {fy:e} {normal} {friction} {turn}");
+            // All of the top moves alike, and with the push.
+            let state = memory.states.last().expect("a state");
+            let top = problem.mesh.facets["top"].node_list();
+            let of = |node: u32| [state.u[2 * node as usize], state.u[2 * node as usize + 1]];
+            let [ux, uy] = of(top[0]);
+            assert!(top.iter().all(|&node| {
+                let [x, y] = of(node);
+                (x - ux).abs().max((y - uy).abs()) < 1e-12 * ux.hypot(uy)
+            }));
+            let along = c * ux + s * uy;
+            let (down, round_off) = (c * uy - s * ux, 1e-9 * ux.hypot(uy));
+            assert!(down < 0.0 && if push > 1.0 { along > round_off } else { along.abs() <= round_off }, "{along:e}");
+        }
+    }
+}
