@@ -180,14 +180,15 @@ impl Conditions {
                 scene.notes.add(&line.place, format!("*BOUNDARY of {name}"), why, Matter::Answer);
             }
             let quantities = match scene.transforms.of(&nodes, &line.place)? {
-                Some(local) if dofs.iter().any(|dof| *dof <= 3) => turned(&local, &dofs, (line, value), scene.dim)?,
+                Some(local) if dofs.iter().any(|dof| *dof <= 3) => {
+                    let quantities = turned(&local, &dofs, (line, value), scene.dim)?;
+                    if quantities.iter().any(|(quantity, _)| *quantity == PrescribedQuantity::Normal) {
+                        check_normal(&local, &dofs, (line, &nodes), scene)?;
+                    }
+                    quantities
+                }
                 _ => dofs.iter().filter_map(|&dof| quantity(dof, scene.dim)).map(|q| (q, value)).collect(),
             };
-            let along = quantities.iter().any(|(quantity, _)| *quantity == PrescribedQuantity::Normal);
-            if along && scene.mesh.on_facets(&nodes) != nodes {
-                let found = "nodes that are held along one axis of a *TRANSFORM and are no side";
-                return Err(DeckFault::new(&line.place, found, "a node set of whole facets, or axes along x, y or z"));
-            }
             for target in targets {
                 for &(quantity, value) in &quantities {
                     let event = scene.event(card, value);
@@ -552,6 +553,26 @@ fn turned(
         }
     }
     Ok(all)
+}
+
+/// Checks that nodes held along one local axis are those of a side to which this axis is normal.
+fn check_normal(
+    local: &NodeAxes,
+    dofs: &[usize],
+    (line, nodes): (&DataLine, &BTreeSet<DeckNodeId>),
+    scene: &ConditionContext,
+) -> Result<(), DeckFault> {
+    let refuse = |found: &str, expected: &str| Err(DeckFault::new(&line.place, found, expected));
+    if scene.mesh.on_facets(nodes) != *nodes {
+        let found = "nodes that are held along one axis of a *TRANSFORM and are no side";
+        return refuse(found, "a node set of whole facets, or axes along x, y or z");
+    }
+    let Some(axis) = dofs.iter().find(|dof| **dof <= scene.dim).map(|dof| dof - 1) else { return Ok(()) };
+    if !scene.mesh.is_normal(nodes, |x| local.axes(x).get(axis).copied().unwrap_or_default()) {
+        let found = format!("a side that is held along axis {} of a *TRANSFORM, to which it is not normal", axis + 1);
+        return refuse(&found, "an axis along x, y or z, or along the normal of the side");
+    }
+    Ok(())
 }
 
 /// A unit vector.

@@ -122,7 +122,14 @@ impl Contacts {
         })?;
         interaction.from.push(format!("*{} {}", card.name, card.place));
         match card.name.as_str() {
-            "SURFACE BEHAVIOR" => interaction.normal = Some(behaviour(card)?),
+            "SURFACE BEHAVIOR" => {
+                interaction.normal = Some(behaviour(card)?);
+                if matches!(interaction.normal, Some(PressureOverclosure::Exponential(..))) {
+                    let why =
+                        "the exponential function of CalculiX is taken; that of Abaqus differs but at zero clearance";
+                    notes.add(&card.place, "EXPONENTIAL of *SURFACE BEHAVIOR", why, Matter::Perhaps);
+                }
+            }
             "FRICTION" if card.has("ROUGH") => {
                 let why = "sides of a case that stick do not slip where they are open, either";
                 notes.add(&card.place, "ROUGH of *FRICTION", why, Matter::Perhaps);

@@ -341,6 +341,20 @@ impl DeckMesh {
         self.facets(nodes).into_iter().flatten().collect()
     }
 
+    /// True if the facets of the boundary within a set of nodes are normal to a unit vector, which may vary in space.
+    pub fn is_normal(&self, nodes: &BTreeSet<DeckNodeId>, direction: impl Fn(&[f64; 3]) -> [f64; 3]) -> bool {
+        // Decks have few digits.
+        const NORMAL: f64 = 1e-3;
+        self.facets(nodes).iter().all(|facet| {
+            let points: Vec<[f64; 3]> = facet.iter().map(|&node| self.point(node)).collect();
+            points.iter().all(|x| {
+                let normal = direction(x);
+                let mut edges = points.iter().map(|y| -> [f64; 3] { std::array::from_fn(|d| y[d] - x[d]) });
+                edges.all(|edge| dot(&edge, &normal).abs() <= NORMAL * dot(&edge, &edge).sqrt())
+            })
+        })
+    }
+
     /// Area of the facets of the boundary within a set of nodes, with straight edges: length in the plane, area of the
     /// whole ring for a body of revolution.
     pub fn area(&self, nodes: &BTreeSet<DeckNodeId>) -> f64 {

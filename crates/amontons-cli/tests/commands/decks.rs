@@ -252,14 +252,23 @@ fn local_axes_hold_and_load() {
     let (folder, _) = imported(deck);
     let stretch = 0.005 * 20.0 / 210_000.0;
     assert_near(probed(folder.path(), "displacement_x", "[0.005, 0.01]")[0], -0.6 * stretch, 1e-9);
-    // Another component of the displacement than the normal one is none that a case can hold.
-    let spoiled = deck.replace("LOW, 2\n", "LOW, 1\n2, 2, 2\n");
-    fs::write(folder.path().join("deck.inp"), spoiled).expect("a deck");
-    let done = output(amontons(&["import", "deck.inp", "--force"]).current_dir(folder.path()));
-    assert_code(&done, 2);
-    let expected = "line 23: found nodes that are held along one axis of a *TRANSFORM and are no side, \
-                    expected a node set of whole facets, or axes along x, y or z";
-    assert_eq!(stderr(&done), format!("Error: deck.inp, {expected}\n"));
+    // Another component of the displacement than the normal one is none that a case can hold, nor is that of a node.
+    let refused = |held: &str, found: &str| {
+        fs::write(folder.path().join("deck.inp"), deck.replace("LOW, 2\n", held)).expect("a deck");
+        let done = output(amontons(&["import", "deck.inp", "--force"]).current_dir(folder.path()));
+        assert_code(&done, 2);
+        assert_eq!(stderr(&done), format!("Error: deck.inp, {found}\n"));
+    };
+    refused(
+        "LOW, 2\n2, 1, 1\n",
+        "line 23: found nodes that are held along one axis of a *TRANSFORM and are no side, \
+         expected a node set of whole facets, or axes along x, y or z",
+    );
+    refused(
+        "LOW, 1\n",
+        "line 22: found a side that is held along axis 1 of a *TRANSFORM, to which it is not normal, \
+         expected an axis along x, y or z, or along the normal of the side",
+    );
 }
 
 /// Facets as elements, as Gmsh writes them, are no parts of the body: a plane element on a cube bears no load.
