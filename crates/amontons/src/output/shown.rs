@@ -218,7 +218,7 @@ const MEANINGS: [(&str, &str); 89] = [
     ("thermal_work", "work of thermal stress since the start"),
     ("scheme_dissipation", "what the time-stepping scheme itself took since the start"),
     ("closing_error", "error of the energy balance"),
-    ("heat_content", "heat of the body at t, above that at the start"),
+    ("heat_content", "heat of the body at t, above that at θ = 0"),
     ("heat_contact", "heat that has come through contact since the start"),
     ("contact_force", "resultant of σν on Γ_C, of all contacts or of one"),
     (
