@@ -99,6 +99,23 @@ impl Given {
         directed
     }
 
+    /// Puts velocities of the size at which foundations come closer or move away at the nodes of their contact points,
+    /// and the displacements γ times as large.
+    pub fn put_foundations(&self, step: &Step, [velocities, displacements]: [&mut [f64]; 2]) {
+        let dim = step.discrete.mesh.dim;
+        for (point, frame) in step.boundary.points.iter().zip(&self.frames) {
+            let rate = frame.gap_rate.abs();
+            for (node, ..) in point.entries() {
+                let first = step.boundary.nodes[node] as usize * dim;
+                let ends = [(&mut *velocities, rate), (&mut *displacements, step.rule.gamma * rate)];
+                for (values, size) in ends {
+                    let at_node = values.iter_mut().skip(first).take(dim);
+                    at_node.for_each(|value| *value = value.abs().max(size));
+                }
+            }
+        }
+    }
+
     /// The term of (4.1) on Γ_C, or `None` without contact.
     pub fn term<'a>(&'a self, step: &Step<'a>, system: &System, unknown: &'a [Option<u32>]) -> Option<Mechanical<'a>> {
         Some(Mechanical::new(self.on_boundary(step, unknown)?, Some(system.condensed())))

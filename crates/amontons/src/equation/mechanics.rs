@@ -464,6 +464,7 @@ impl<'a> Equation<'a> {
                 let (mut w, mut sizes) = (v.clone(), step.sizes(v));
                 step.discrete.v.mask_free(&mut w);
                 step.discrete.v.mask_free(&mut sizes);
+                given.put_foundations(step, [&mut w, &mut sizes]);
                 round_off(&w, &sizes)
             }
             Rounded::Places => {

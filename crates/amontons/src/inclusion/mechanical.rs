@@ -226,6 +226,11 @@ impl<'a> Mechanical<'a> {
         }
     }
 
+    /// The same with other supports of the rigid motions.
+    pub(super) fn with_holds(&self, holds: Holds) -> Mechanical<'a> {
+        Mechanical { holds: Some(holds), ..self.with(self.slip) }
+    }
+
     /// ‖w_τ − v_F‖ at a point, m/s.
     pub(super) fn slip_speed(&self, i: usize, w: &[f64]) -> f64 {
         let [s1, s2] = self.kinematics(i, w).slip;

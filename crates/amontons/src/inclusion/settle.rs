@@ -13,6 +13,10 @@ use crate::linalg::{Condensed, SolveError, Spring, Tangent, dot, max_abs};
 
 /// Share of the forces on a part, each by what it does along a motion, that drives it: less is round-off.
 const DRIVES: f64 = 1e-6;
+/// Stiffness of a soft spring, relative to the mean one of the operator over its motion.
+const SOFT: f64 = 1e-9;
+/// Share of the force that the spring of a motion would have if all unknowns moved along it that counts as round-off.
+const ROUNDED: f64 = 1e3 * f64::EPSILON;
 /// Share of the motion of all contact nodes above which a motion that nothing determines is not the least: one that is
 /// not resisted at all, and one in doubt.
 const LEAST: f64 = 1e-9;
@@ -63,6 +67,22 @@ impl Mechanical<'_> {
         for spring in Jumps::springs(&free, &holds.scale) {
             tangent.hold(spring);
         }
+    }
+
+    /// The step in which a soft spring holds each motion that nothing but contact does, and these springs; `None` if
+    /// there is no such motion. A part that has to cross its clearance or to roll before friction holds it gets there in
+    /// one step of Newton's method, which the springs of [`Mechanical::hold`] allow it in many.
+    pub(super) fn softly_held(&self) -> Option<(Mechanical<'_>, Vec<Spring>)> {
+        let mut holds = self.holds.clone()?;
+        let free = holds.jumps.free(&self.interface, |_| [[0.0; 3]; 3], &holds.frees(), (true, holds.scale.len()));
+        if free.is_empty() {
+            return None;
+        }
+        let first = holds.held.len();
+        holds.add(&free);
+        holds.held.iter_mut().skip(first).for_each(|(_, spring)| spring.stiffness *= SOFT);
+        let springs = holds.springs();
+        Some((self.with_holds(holds), springs))
     }
 
     /// Solves the step: see [`Mechanical::solve`].
@@ -162,7 +182,10 @@ impl Mechanical<'_> {
                 self.interface.rows[i].weight * (p.abs() + q1.hypot(q2)) * (DOUBTFUL * doubt + DRIVES * size)
             };
             let doubtful: f64 = laws.iter().enumerate().map(of_point).sum();
-            (load.abs() > doubtful + DRIVES * self.load(free)[1]).then(|| Undetermined { load, sum: free.a.clone() })
+            // Where neither loads nor contacts act, the spring bears the round-off of S x.
+            let rounded = ROUNDED * spring.stiffness * dot(&end.x, &end.x).sqrt();
+            let driven = load.abs() > doubtful + DRIVES * self.load(free)[1] + rounded;
+            driven.then(|| Undetermined { load, sum: free.a.clone() })
         };
         holds.held.iter().filter_map(of).collect()
     }

@@ -3,7 +3,7 @@
 use super::friction::Slip;
 use super::mechanical::{Mechanical, MechanicalStep};
 use super::multipliers::Multipliers;
-use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
+use super::newton::{Effort, Evaluation, Iterate, Outcome, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
 use super::settle::{Mechanics, Settled};
@@ -140,16 +140,46 @@ impl Mechanical<'_> {
         }
     }
 
-    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method from
-    /// there; where that does not end, from the body at rest if it is nearly a solution; then from the step without
-    /// friction, whose pattern of contact is near where much closes at once; then from the end of a path of steps with
-    /// smooth friction; and where that does not end either, by proximal steps.
+    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method; where
+    /// that does not end and parts are loose, from the step in which soft springs hold them; and where that does not end
+    /// either, by proximal steps.
     fn on_branches(
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,
         start: Mechanics,
     ) -> Result<(Mechanics, usize), Failure> {
+        let mut made = self.by_newton(condensed, right, start.clone())?;
+        if made.failure.is_some()
+            && let Some((soft, springs)) = self.softly_held()
+        {
+            let softly = soft.by_newton(condensed, &Right { springs: &springs, ..right.clone() }, start)?;
+            let mut iterations = made.iterations + softly.iterations;
+            if softly.failure.is_none() {
+                let last = iterate(self, condensed, right, softly.end, &SECOND)?;
+                iterations += last.iterations;
+                if last.failure.is_none() {
+                    made = last;
+                }
+            }
+            made.iterations = iterations;
+        }
+        let iterations = made.iterations;
+        match made.failure {
+            None => Ok((made.end, iterations)),
+            Some(why) => self.approach(condensed, right, made.end, NotConverged { iterations, ..why }),
+        }
+    }
+
+    /// Newton's method: from an iterate; where that does not end, from the body at rest if it is nearly a solution; then
+    /// from the step without friction, whose pattern of contact is near where much closes at once; then from the end of
+    /// a path of steps with smooth friction.
+    fn by_newton(
+        &self,
+        condensed: &mut dyn Condensed,
+        right: &Right,
+        start: Mechanics,
+    ) -> Result<Outcome<Vec<Multiplier>>, Failure> {
         let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
         let at_rest = self.at_rest(right, &start.multipliers);
         let mut made = iterate(self, condensed, right, start, &FIRST)?;
@@ -174,10 +204,7 @@ impl Mechanical<'_> {
                 iterations += before + made.iterations;
             }
         }
-        match made.failure {
-            None => Ok((made.end, iterations)),
-            Some(why) => self.approach(condensed, right, made.end, NotConverged { iterations, ..why }),
-        }
+        Ok(Outcome { iterations, ..made })
     }
 
     /// The body at rest under the tractions of the step before: the solution where what has moved the body stands still

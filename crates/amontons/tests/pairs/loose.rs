@@ -271,3 +271,52 @@ fn a_load_that_nothing_bears_is_refused_in_words() {
     let force = memory.reports.last().expect("a step").contact.force;
     assert!((force[0] + 100.0).abs() < 1e-6 && (force[1] - 2000.0).abs() < 1e-6, "{force:?}");
 }
+
+/// A frictionless block that a foundation, or a plate, pushes through its clearance moves as far as it is pushed and
+/// bears nothing: no load drives it along the planes, which is said.
+#[test]
+fn a_block_is_pushed_through_its_clearance() {
+    let law = "normal = { law = \"signorini\" }\n";
+    let material = "[material]\ndensity = 0\nelasticity = { law = \"isotropic\", young = 2e9, poisson = 0.3, \
+                    stress_state = \"plane-strain\" }\n";
+    let founded = |friction: &str| {
+        format!(
+            "name = \"pushed\"\n[mesh]\nkind = \"rectangle\"\nsize = [0.02, 0.02]\nn = [2, 2]\nelements = \"Q1\"\n\
+             [time]\nend = 1\nsteps = 1\n{material}[[contact]]\non = \"top\"\ngap = \"1e-4 - 1.5e-4*t\"\n{law}\
+             {friction}[[contact]]\non = \"bottom\"\ngap = 1e-4\n{law}"
+        )
+    };
+    let between = |friction: &str| {
+        format!(
+            "name = \"pushed\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
+             {{ name = \"low\", size = [0.06, 0.01], n = [12, 2], origin = [-0.03, -0.0201], elements = \"Q1\" }},\n\
+             {{ name = \"block\", size = [0.02, 0.02], n = [4, 4], origin = [-0.01, -0.01], elements = \"Q1\" }},\n\
+             {{ name = \"high\", size = [0.06, 0.01], n = [13, 2], origin = [-0.03, 0.0101], elements = \"Q1\" }},\n]\n\
+             [time]\nend = 1\nsteps = 1\n{material}[[boundary]]\non = \"low_bottom\"\ndisplacement = [0, 0]\n\
+             [[boundary]]\non = \"high_top\"\ndisplacement = [0, -1.5e-4]\n\
+             [[contact]]\non = \"low_top\"\nwith = \"block_bottom\"\n{law}{friction}\
+             [[contact]]\non = \"high_bottom\"\nwith = \"block_top\"\n{law}{friction}"
+        )
+    };
+    let friction = "friction = { law = \"coulomb\", coefficient = 0.3 }\n";
+    for (text, rubs) in
+        [(founded(""), false), (between(""), false), (founded(friction), true), (between(friction), true)]
+    {
+        for solver in ["direct", "iterative"] {
+            let problem = problem(&format!("{text}[solver]\nsolver = \"{solver}\"\n"));
+            let memory = tried(&problem).unwrap_or_else(|why| panic!("{why}\n{text}"));
+            let (state, report) = (memory.states.last().expect("a state"), memory.reports.last().expect("a step"));
+            let inside = |x: &[f64; 3]| !text.contains("block") || (x[0].abs() < 0.0101 && x[1].abs() < 0.01005);
+            let nodes = problem.mesh.points.iter().enumerate().filter(|(_, x)| inside(x));
+            for (i, _) in nodes {
+                let moved = [state.u[2 * i], state.u[2 * i + 1] + 5e-5];
+                assert!(moved.iter().all(|off| off.abs() < 1e-12), "{moved:?} {solver}\n{text}");
+            }
+            let force = report.contact.force.iter().map(|f| f.abs()).fold(0.0, f64::max);
+            assert!(force < 1e-4, "{force:e} of 2e9 N/m {solver}\n{text}");
+            if !rubs {
+                assert_eq!(report.loose.len(), 1, "{:?}", report.loose);
+            }
+        }
+    }
+}
