@@ -1,5 +1,6 @@
 //! Whether a step obeys the equations that are differentiated.
 
+use super::balances::MET;
 use super::instance::{ProblemInstance, SolvedStep, StepResidual, driving};
 use crate::contact::{Flux, PointOnBoundary};
 use crate::equation::system::Step;
@@ -43,8 +44,6 @@ fn round_off_of_laws(base: &ProblemInstance, of: &SolvedStep) -> f64 {
     })
 }
 
-/// Residual of an equation relative to its largest term above which the step does not obey it.
-const MET: f64 = 1e-6;
 /// Slip relative to the largest velocity up to which a point rests.
 const RESTS: f64 = 1e-9;
 
@@ -68,7 +67,11 @@ impl StepResidual {
         };
         let (old, new) = (&of.old.surface, &of.new.surface);
         let theta = if base.problem.physics.has_heat() { &of.at.theta } else { &of.new.theta };
-        let worn = sum(&old.wear, &mut self.points.iter().map(|point| point.worn));
+        let worn = base.step(of.n, of.old, |step| {
+            let worn = sum(&old.wear, &mut self.worn.iter().copied());
+            super::worn::of_pairs_or(step, &self.worn, &worn)
+        });
+        let depths = sum(&old.worn.depths.concat(), &mut self.grown.iter().copied());
         let work = sum(&old.friction_work, &mut self.work.iter().copied());
         // Where all points stick, their slip and its work are round-off.
         let q = self.states.iter().fold(0.0, |most: f64, state| most.max(length(&state.q)));
@@ -90,8 +93,14 @@ impl StepResidual {
                 Some("the prescribed temperatures")
             }
             () if !rounded(defect, traction, &|| round_off_of_laws(base, of)) => Some("the laws of contact"),
+            () if self.lacking.iter().zip(&self.driving).any(|(lack, size)| lack.abs() > MET * size) => {
+                Some("the equilibrium of a driven contact")
+            }
+            () if self.missing.iter().zip(&self.warming).any(|(lack, size)| lack.abs() > MET * size) => {
+                Some("the balance of heat of a foundation")
+            }
             () if apart(&body.u, &of.new.u) => Some("the displacement at the end of the step"),
-            () if apart(&worn, &new.wear) => Some("the depth of wear"),
+            () if apart(&worn, &new.wear) || apart(&depths, &new.worn.depths.concat()) => Some("the depth of wear"),
             () if apart(&work, &new.friction_work) && most(&work, &new.friction_work) > RESTS * rubbed => {
                 Some("the work of friction")
             }
