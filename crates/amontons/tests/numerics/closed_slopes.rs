@@ -1,6 +1,6 @@
 //! Derivatives of runs against those of closed forms.
 
-use super::gradient::by_keys;
+use super::gradient::{by_keys, read};
 use super::series::series_by_keys;
 
 fn is_near(found: f64, known: f64, tolerance: f64) -> bool {
@@ -280,4 +280,38 @@ fn the_heat_of_a_stop_has_the_derivatives_of_its_closed_form() {
         let [coarse, middle, fine] = errors.map(|errors| errors[i]);
         assert!(fine <= 2e-3 && middle <= 0.6 * coarse && fine <= 0.6 * middle, "{i}: {coarse:e} {middle:e} {fine:e}");
     }
+}
+
+/// Two bolts and a plate between them as springs in parallel below a rigid yoke, k_b = 1e8 N/m and k_c = 4e8 N/m: after
+/// a preload of F_V = 10 kN a pull F_A = 8 kN leaves the plate F_V − F_A k_c/(k_b + k_c), and of 15 kN nothing.
+#[test]
+fn a_bolted_joint_has_the_derivatives_of_its_closed_form() {
+    let text = read("crates/amontons/benchmarks/bolted-joint.toml");
+    let (model, _) = text.split_once("[verify]").expect("checks");
+    let plate = "[constants]\nplate = 5e10\nbolt = 5000\n[[region]]\non = \"plate\"\nmaterial = { density = 0, elasticity = \
+                 { law = \"isotropic\", young = \"plate\", poisson = 0, stress_state = \"plane-stress\" } }\n[[side]]\n";
+    let probe =
+        |on: &str| format!("[[probe]]\nname = \"{on}\"\nquantity = \"pressure\"\non = \"{on}\"\ntake = \"mean\"\n");
+    let text = model.replacen("[[side]]\n", plate, 1).replace("\"5 kN\"", "\"bolt\"");
+    let text = text + &probe("left_upper_bottom") + &probe("plate_bottom");
+    let outputs = ["left_upper_bottom", "plate_bottom"];
+    let found = series_by_keys(&text, &outputs, &["constants.bolt", "constants.plate"]).expect("a series");
+    let adjoint = by_keys(&text, &outputs, &["constants.bolt", "constants.plate"], None).expect("a gradient");
+    // k_b k_c/(k_b + k_c)²/E of the plate, and the areas of a bolt and of the plate.
+    let (shared, bolt, plate) = (0.16 / 5e10, 5e-5, 4e-4);
+    let known = [
+        [[-1.0 / bolt, 0.0], [2.0 / plate, 0.0]],
+        [[-1.0 / bolt, 4000.0 * shared / bolt], [2.0 / plate, -8000.0 * shared / plate]],
+        [[0.0; 2]; 2],
+    ];
+    for (n, known) in known.iter().enumerate() {
+        let found = &found.derivatives[n + 1];
+        println!("step {}: {found:?} {known:?}", n + 1);
+        for (found, known) in found.iter().flatten().zip(known.iter().flatten()) {
+            let size = known.abs().max(if known.abs() > 0.0 { 0.0 } else { 1e-3 });
+            assert!((found - known).abs() <= 1e-7 * size, "step {}: {found:e} {known:e}", n + 1);
+        }
+    }
+    let last = adjoint.derivatives.iter().flatten();
+    assert!(last.clone().all(|slope| slope.abs() < 1e-10) && last.count() == 4, "{:?}", adjoint.derivatives);
 }
