@@ -1,7 +1,7 @@
 //! The equations beside those of the half-steps: of contacts that a force drives, and of foundations with a heat
 //! capacity.
 
-use crate::contact::{Contact, PointOnBoundary};
+use crate::contact::{Contact, NoSlip, PointOnBoundary};
 use crate::equation::foundation::temperatures;
 use crate::equation::heat::lumped;
 use crate::equation::system::Step;
@@ -13,6 +13,16 @@ use crate::tensor::dot;
 
 /// Residual of an equation relative to its largest term above which the step does not obey it.
 pub(super) const MET: f64 = 1e-6;
+
+/// The friction bound of a point, Pa; zero of one that never slips, whose bound is no traction.
+pub(super) fn bound(of: f64) -> f64 {
+    if of < NoSlip::BOUND { of } else { 0.0 }
+}
+
+/// The largest traction that the states of contact points show, Pa.
+pub(super) fn largest_traction(states: &[PointState]) -> f64 {
+    states.iter().fold(0.0, |most, state| most.max(state.pressure.abs()).max(bound(state.bound)))
+}
 
 /// True if the opposite side of a contact moves by a length that is solved for.
 pub(super) fn is_moved(problem: &Problem) -> bool {

@@ -10,6 +10,7 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
+use super::balances::bound;
 use super::bordered::Pushed;
 use super::factors::StepFactors;
 use super::instance::{ProblemInstance, SolvedStep};
@@ -43,7 +44,7 @@ pub(super) struct DrivenStep<T> {
 /// True if something is asked of a driven contact. One that nothing presses, accelerates or touches stays where it is.
 fn is_asked(drive: &Drive, of: &SolvedStep, step: &Step) -> bool {
     let own = step.boundary.points.iter().zip(of.states).filter(|(point, _)| point.contact == drive.contact);
-    let mut tractions = own.map(|(_, state)| state.pressure.abs().max(state.bound));
+    let mut tractions = own.map(|(_, state)| state.pressure.abs().max(bound(state.bound)));
     drive.force.abs() > 0.0 || drive.inertia[1] > 0.0 || tractions.any(|traction| traction > 0.0)
 }
 

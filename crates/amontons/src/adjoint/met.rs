@@ -1,9 +1,10 @@
 //! Whether a step obeys the equations that are differentiated.
 
-use super::balances::MET;
+use super::balances::{MET, largest_traction};
 use super::instance::{ProblemInstance, SolvedStep, StepResidual, driving};
 use crate::contact::{Flux, PointOnBoundary};
 use crate::equation::system::Step;
+use crate::inclusion::PointOutput;
 use crate::linalg::max_abs;
 use crate::space::Space;
 use crate::tensor::length;
@@ -48,6 +49,15 @@ fn round_off_of_laws(base: &ProblemInstance, of: &SolvedStep) -> f64 {
 const RESTS: f64 = 1e-9;
 
 impl StepResidual {
+    /// The largest depth that would come off at this slip velocity, m: where all points stick, wear is round-off.
+    fn worn_at(&self, speed: f64) -> f64 {
+        let per_slip = |point: &PointOutput| {
+            let slip = point.slip[0].hypot(point.slip[1]);
+            if slip > 0.0 { point.worn.abs() / slip } else { 0.0 }
+        };
+        speed * self.points.iter().map(per_slip).fold(0.0, f64::max)
+    }
+
     /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
     pub fn unmet(&self, base: &ProblemInstance, of: &SolvedStep) -> Option<&'static str> {
         let (discrete, body) = (&base.discrete, &self.body);
@@ -59,7 +69,7 @@ impl StepResidual {
         };
         let most = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         let apart = |a: &[f64], b: &[f64]| most(a, b) > MET * max_abs(a).max(max_abs(b));
-        let traction = self.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let traction = largest_traction(&self.states);
         let points = discrete.boundary.points.iter().zip(&self.points).filter(|(point, _)| point.weight > 0.0);
         let defect = points.fold(0.0, |most: f64, (_, point)| most.max(max_abs(&point.defect)));
         let sum = |old: &[f64], more: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
@@ -100,7 +110,12 @@ impl StepResidual {
                 Some("the balance of heat of a foundation")
             }
             () if apart(&body.u, &of.new.u) => Some("the displacement at the end of the step"),
-            () if apart(&worn, &new.wear) || apart(&depths, &new.worn.depths.concat()) => Some("the depth of wear"),
+            () if [(&worn, &new.wear), (&depths, &new.worn.depths.concat())]
+                .iter()
+                .any(|(a, b)| apart(a, b) && most(a, b) > RESTS * self.worn_at(max_abs(&of.at.w))) =>
+            {
+                Some("the depth of wear")
+            }
             () if apart(&work, &new.friction_work) && most(&work, &new.friction_work) > RESTS * rubbed => {
                 Some("the work of friction")
             }

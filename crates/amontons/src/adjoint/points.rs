@@ -2,6 +2,7 @@
 
 pub(super) use super::advance::INPUTS;
 use super::advance::{PointAdvance, advances};
+use super::balances::bound;
 use super::exerted::fluid_at;
 use super::instance::{ProblemInstance, SolvedStep, data, inputs};
 use super::stencil::derivative;
@@ -164,7 +165,7 @@ impl InputScales {
             let depth = output.penetration.abs().max(span * per_rho * input.force[0].abs());
             let q = input.force[1].hypot(input.force[2]);
             let slip = output.slip[0].hypot(output.slip[1]);
-            let (speed, traction) = (slip.max(per_rho * q), q.max(rho * slip).max(output.bound));
+            let (speed, traction) = (slip.max(per_rho * q), q.max(rho * slip).max(bound(output.bound)));
             let pressure = input.force[0].abs().max(rho / span * output.penetration.abs());
             [depth / span, speed, speed, pressure, traction, traction, depth, warm]
         };
@@ -206,7 +207,7 @@ pub(super) struct PointMargin {
 pub(super) fn margins(contacts: &[Contact], of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
     let largest = |of_point: &dyn Fn(&PointState) -> f64| of.states.iter().map(of_point).fold(0.0, f64::max);
     let pressure = largest(&|state| state.pressure.abs());
-    let bound = largest(&|state| state.bound);
+    let bound = largest(&|state| bound(state.bound));
     let scales = MarginScales {
         speed: max_abs(&of.at.w),
         pressure,

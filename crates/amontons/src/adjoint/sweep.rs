@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::balances::is_moved;
+use super::balances::{is_moved, largest_traction};
 use super::driven::{DrivenStep, turned};
 use super::error::GradientError;
 use super::factors::{StepFactors, coupled};
@@ -457,7 +457,7 @@ impl Multiplied {
         let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
         let Multiplied { transposed, heat: [heat, held], after, areas, driven, .. } = self;
-        let traction = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let traction = largest_traction(&of.states);
         let mu = transposed.points.iter().zip(areas).map(|(mu, area)| area * sum(mu)).sum::<f64>();
         of.sizes[0] * sum(&transposed.y)
             + of.sizes[1] * sum(heat)

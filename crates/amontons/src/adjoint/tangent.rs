@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::balances::largest_traction;
 use super::bordered::{Bordered, BorderedPoint, BorderedRight, IDENTITY, Pushed, bears, jump};
 use super::driven::{LinearDrive, Shifted, turned};
 use super::error::GradientError;
@@ -50,7 +51,7 @@ impl ResidualSlope {
         points: &[LinearPoint],
     ) -> Option<(ResidualSlope, Option<ResidualSlope>)> {
         let here = around.all[2];
-        let traction = here.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let traction = largest_traction(&here.states);
         let lists = |of: &dyn Fn(&StepResidual) -> &[f64], size: f64| {
             stencil::of_lists(around.h, around.all.map(of), size.max(max_abs(of(here))))
         };
