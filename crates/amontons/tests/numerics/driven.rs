@@ -168,9 +168,9 @@ take = "mean"
 
 /// Keys of [`PRESSED`]. The normals of the disc turn with its place.
 const PRESSED_BY: [&str; 7] = [
+    "contact.obstacle.radius",
     "constants.press",
     "contact.obstacle.load.mass",
-    "contact.obstacle.radius",
     "material.elasticity.young",
     "contact.friction.coefficient",
     "contact.gap",
@@ -181,17 +181,19 @@ const PRESSED_BY: [&str; 7] = [
 fn runs_with_an_obstacle_under_a_load_have_the_slopes_of_differences() {
     let outputs =
         ["corner_x", "pressure", "traction_x", "warm", "final.contact.force.0", "energy.friction_dissipation"];
-    check_within(1e-3, PRESSED, &outputs, &PRESSED_BY);
+    check_within(1e-3, PRESSED, &outputs, &PRESSED_BY[1..]);
+    // The place of the surface of the disc changes by its radius times the step.
+    check_within(1e-5, PRESSED, &outputs, &PRESSED_BY[..1]);
     let by = |scheme: &str| PRESSED.replace("[time]", &format!("[time]\nscheme = {scheme}"));
     for scheme in ["\"bdf2\"", "\"theta\"\ntheta = 0.6"] {
-        check_within(1e-3, &by(scheme), &outputs[..5], &PRESSED_BY[..3]);
+        check_within(1e-3, &by(scheme), &outputs[..5], &PRESSED_BY[1..4]);
     }
     let at_once = format!("{PRESSED}\n[scheme]\ncoupling = \"monolithic\"\n");
-    check_within(1e-3, &at_once, &outputs[..5], &PRESSED_BY[..5]);
+    check_within(1e-3, &at_once, &outputs[..5], &PRESSED_BY[1..6]);
     // A rigid disc without a mass, from an equilibrium.
     let still = PRESSED.replace(", mass = 1.4", "").replace("[initial]", "[initial]\nstate = \"equilibrium\"");
     let rigid = still.replace("law = \"compliance\", stiffness = 900.0", "law = \"signorini\"");
-    check_within(1e-3, &rigid, &outputs, &["constants.press", "material.elasticity.young", "contact.obstacle.radius"]);
+    check_within(1e-3, &rigid, &outputs, &["constants.press", "material.elasticity.young"]);
 }
 
 /// A plane that a force F presses on a block of height h on a layer of the stiffness s: all is in series, and δ is the
