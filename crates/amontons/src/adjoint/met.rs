@@ -2,6 +2,7 @@
 
 use super::balances::{MET, largest_traction};
 use super::instance::{ProblemInstance, SolvedStep, StepResidual, driving};
+use super::worn::of_pairs_or;
 use crate::contact::{Flux, PointOnBoundary};
 use crate::equation::system::Step;
 use crate::inclusion::PointOutput;
@@ -48,6 +49,20 @@ fn round_off_of_laws(base: &ProblemInstance, of: &SolvedStep) -> f64 {
 /// Slip relative to the largest velocity up to which a point rests.
 const RESTS: f64 = 1e-9;
 
+/// The largest difference of numbers.
+fn most(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+}
+
+/// True if numbers are not the same.
+fn apart(a: &[f64], b: &[f64]) -> bool {
+    most(a, b) > MET * max_abs(a).max(max_abs(b))
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}
+
 impl StepResidual {
     /// The largest depth that would come off at this slip velocity, m: where all points stick, wear is round-off.
     fn worn_at(&self, speed: f64) -> f64 {
@@ -56,6 +71,16 @@ impl StepResidual {
             if slip > 0.0 { point.worn.abs() / slip } else { 0.0 }
         };
         speed * self.points.iter().map(per_slip).fold(0.0, f64::max)
+    }
+
+    /// True if the depths at the end of the step are not those that the equations give.
+    fn is_worn_otherwise(&self, base: &ProblemInstance, of: &SolvedStep) -> bool {
+        let (old, new) = (&of.old.surface, &of.new.surface);
+        let worn = base.step(of.n, of.old, |step| of_pairs_or(step, &self.worn, &sum(&old.wear, &self.worn)));
+        let depths = sum(&old.worn.depths.concat(), &self.grown);
+        let least = RESTS * self.worn_at(max_abs(&of.at.w));
+        let is_other = |a: &[f64], b: &[f64]| apart(a, b) && most(a, b) > least;
+        is_other(&worn, &new.wear) || is_other(&depths, &new.worn.depths.concat())
     }
 
     /// The first equation that a step does not obey at its solution, in words: one that the run has in another form.
@@ -67,22 +92,12 @@ impl StepResidual {
             space.mask(&mut rest);
             max_abs(&rest)
         };
-        let most = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        let apart = |a: &[f64], b: &[f64]| most(a, b) > MET * max_abs(a).max(max_abs(b));
         let traction = largest_traction(&self.states);
         let points = discrete.boundary.points.iter().zip(&self.points).filter(|(point, _)| point.weight > 0.0);
         let defect = points.fold(0.0, |most: f64, (_, point)| most.max(max_abs(&point.defect)));
-        let sum = |old: &[f64], more: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
-            old.iter().zip(more).map(|(old, more)| old + more).collect()
-        };
         let (old, new) = (&of.old.surface, &of.new.surface);
         let theta = if base.problem.physics.has_heat() { &of.at.theta } else { &of.new.theta };
-        let worn = base.step(of.n, of.old, |step| {
-            let worn = sum(&old.wear, &mut self.worn.iter().copied());
-            super::worn::of_pairs_or(step, &self.worn, &worn)
-        });
-        let depths = sum(&old.worn.depths.concat(), &mut self.grown.iter().copied());
-        let work = sum(&old.friction_work, &mut self.work.iter().copied());
+        let work = sum(&old.friction_work, &self.work);
         // Where all points stick, their slip and its work are round-off.
         let q = self.states.iter().fold(0.0, |most: f64, state| most.max(length(&state.q)));
         let rubbed = base.instant(of.n).k * q * max_abs(&of.at.w);
@@ -110,12 +125,7 @@ impl StepResidual {
                 Some("the balance of heat of a foundation")
             }
             () if apart(&body.u, &of.new.u) => Some("the displacement at the end of the step"),
-            () if [(&worn, &new.wear), (&depths, &new.worn.depths.concat())]
-                .iter()
-                .any(|(a, b)| apart(a, b) && most(a, b) > RESTS * self.worn_at(max_abs(&of.at.w))) =>
-            {
-                Some("the depth of wear")
-            }
+            () if self.is_worn_otherwise(base, of) => Some("the depth of wear"),
             () if apart(&work, &new.friction_work) && most(&work, &new.friction_work) > RESTS * rubbed => {
                 Some("the work of friction")
             }
