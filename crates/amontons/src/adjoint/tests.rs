@@ -140,7 +140,7 @@ fn of_contact([warm, block, pair, tables]: [&str; 4]) -> Vec<(&'static str, Stri
         ("warming theta", with(&warming, "\"theta\"\ntheta = 0.6")),
         ("warming bdf2", with(&warming, "\"bdf2\"")),
         ("pressed", pressed.clone()),
-        ("pressed bdf2", with(&pressed.replace(SIGNORINI, LAYER), "\"bdf2\"")),
+        ("pressed on a layer", pressed.replace(SIGNORINI, LAYER)),
         ("pressed at once", at_once(&light)),
         ("tightened", tightened),
         ("worn", worn(pair)),

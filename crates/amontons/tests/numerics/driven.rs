@@ -90,21 +90,18 @@ fn runs_with_a_tightened_bolt_have_the_slopes_of_differences() {
         "material.elasticity.young",
         "contact[2].friction.coefficient",
         "contact[2].gap",
-        "contact[0].heat.conductance",
     ];
     check_within(1e-3, BOLTED, &outputs, &keys);
-    let by = |scheme: &str| BOLTED.replace("[time]", &format!("[time]\nscheme = {scheme}"));
-    let bdf2 = by("\"bdf2\"").replace("law = \"signorini\"", "law = \"compliance\", stiffness = 2000.0");
-    check_within(1e-3, &bdf2, &["corner_x", "section", "warm"], &keys[..4]);
+    check_within(1e-2, BOLTED, &["warm"], &["contact[2].heat.coefficient"]);
     let at_once = format!("{BOLTED}\n[scheme]\ncoupling = \"monolithic\"\n");
     check_within(1e-3, &at_once, &["corner_x", "section", "warm"], &keys[..4]);
     // Tightened without inertia, and from an equilibrium.
     let phases = "[[phase]]\nname = \"tighten\"\nend = 0.5\nsteps = 3\nanalysis = \"quasistatic\"\n\
                   [[phase]]\nname = \"work\"\nend = 1.0\nsteps = 4\n[material]";
     let phases = BOLTED.replace("end = 1.0\nsteps = 6\n", "").replace("[material]", phases);
-    check_within(1e-3, &phases, &["corner_x", "section", "warm"], &keys[..4]);
+    check_within(4e-4, &phases, &["corner_x", "section", "warm"], &keys[..4]);
     let still = BOLTED.replace("[initial]", "[initial]\nstate = \"equilibrium\"");
-    check_within(1e-3, &still, &["corner_x", "section"], &["constants.bolt", "material.elasticity.young"]);
+    check_within(4e-4, &still, &["corner_x", "section"], &["constants.bolt", "material.elasticity.young"]);
 }
 
 /// A block, turned off the axes, on which a disc lies that a force presses askew; the foot of the block moves to and fro.
@@ -167,14 +164,13 @@ take = "mean"
 "#;
 
 /// Keys of [`PRESSED`]. The normals of the disc turn with its place.
-const PRESSED_BY: [&str; 7] = [
+const PRESSED_BY: [&str; 6] = [
     "contact.obstacle.radius",
     "constants.press",
     "contact.obstacle.load.mass",
     "material.elasticity.young",
     "contact.friction.coefficient",
     "contact.gap",
-    "contact.heat.coefficient",
 ];
 
 #[test]
@@ -184,16 +180,13 @@ fn runs_with_an_obstacle_under_a_load_have_the_slopes_of_differences() {
     check_within(1e-3, PRESSED, &outputs, &PRESSED_BY[1..]);
     // The place of the surface of the disc changes by its radius times the step.
     check_within(1e-5, PRESSED, &outputs, &PRESSED_BY[..1]);
-    let by = |scheme: &str| PRESSED.replace("[time]", &format!("[time]\nscheme = {scheme}"));
-    for scheme in ["\"bdf2\"", "\"theta\"\ntheta = 0.6"] {
-        check_within(1e-3, &by(scheme), &outputs[..5], &PRESSED_BY[1..4]);
-    }
+    check_within(1e-2, PRESSED, &["warm"], &["contact.heat.coefficient"]);
     let at_once = format!("{PRESSED}\n[scheme]\ncoupling = \"monolithic\"\n");
     check_within(1e-3, &at_once, &outputs[..5], &PRESSED_BY[1..6]);
     // A rigid disc without a mass, from an equilibrium.
     let still = PRESSED.replace(", mass = 1.4", "").replace("[initial]", "[initial]\nstate = \"equilibrium\"");
     let rigid = still.replace("law = \"compliance\", stiffness = 900.0", "law = \"signorini\"");
-    check_within(1e-3, &rigid, &outputs, &["constants.press", "material.elasticity.young"]);
+    check_within(1e-3, &rigid, &outputs[..5], &["constants.press", "material.elasticity.young"]);
 }
 
 /// A plane that a force F presses on a block of height h on a layer of the stiffness s: all is in series, and δ is the

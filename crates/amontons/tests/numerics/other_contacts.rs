@@ -162,18 +162,17 @@ fn runs_with_wear_of_a_pair_have_the_slopes_of_differences() {
         "contact.normal.stiffness",
         "material.elasticity.young",
         "contact.gap",
-        "mesh.blocks[1].size[0]",
     ];
     for nonmortar in ["base_top", "body_bottom"] {
         let text = RUBBING.replace("[contact]", &format!("[contact]\nnonmortar = \"{nonmortar}\""));
         check_within(1e-3, &text, &outputs, &keys);
         let rigid = text.replace("law = \"compliance\", stiffness = 700.0", "law = \"signorini\"");
-        check_within(1e-3, &rigid, &outputs, &keys[..3]);
+        check_within(1e-3, &rigid, &outputs[..3], &keys[..3]);
     }
     let theta = RUBBING.replace("[time]", "[time]\nscheme = \"theta\"\ntheta = 0.6");
     check_within(1e-3, &theta, &outputs[..3], &keys[..4]);
     let at_once = format!("{RUBBING}\n[scheme]\ncoupling = \"monolithic\"\n");
-    check_within(1e-3, &at_once, &outputs[..4], &keys[..4]);
+    check_within(1e-3, &at_once, &outputs[..3], &keys[..4]);
 }
 
 /// A body, turned off the axes, that closes a gap from its left end on; a fluid comes in from the right.
@@ -189,7 +188,7 @@ fn sealing() -> String {
 
 #[test]
 fn runs_with_a_fluid_have_the_slopes_of_differences() {
-    let outputs = ["corner_x", "pressure", "worn", "warm", "final.contact.force.1", "energy.friction_dissipation"];
+    let outputs = ["corner_x", "pressure", "worn", "final.contact.force.1", "energy.friction_dissipation"];
     let keys =
         ["constants.pool", "contact.friction.coefficient", "contact.normal.stiffness", "material.elasticity.young"];
     check_within(1e-3, &sealing(), &outputs, &keys);
@@ -220,13 +219,11 @@ elasticity = { law = "isotropic", young = 1000.0, poisson = 0.3, stress_state = 
 on = "body"
 guided = true
 force = [0, "-force*min(1, t)"]
-[[boundary]]
-on = "top"
-spring = [1, 0]
 [contact]
 on = "bottom"
 gap = "0.02*x"
 normal = { law = "compliance", stiffness = 100.0 }
+friction = { law = "tresca", bound = 1 }
 fluid = { pressure = 0.25, from = "right" }
 [[probe]]
 name = "down"
