@@ -2,7 +2,8 @@
 
 use super::instance::global;
 use super::points::LinearPoint;
-use super::sweep::{OfPoints, StateVector};
+use super::sweep::OfPoints;
+use super::vector::StateVector;
 use crate::inclusion::PointState;
 use crate::state::{State, StepReport};
 
@@ -32,6 +33,8 @@ pub(super) enum ChangedPart {
     Temperature,
     Branches,
     Wear,
+    /// Depths of wear of the sides of pairs.
+    Depths,
     Work,
     /// (p, q).
     Traction,
@@ -44,8 +47,14 @@ impl ChangedPart {
     pub const OF_BODY: [ChangedPart; 4] =
         [ChangedPart::Displacement, ChangedPart::Velocity, ChangedPart::Temperature, ChangedPart::Branches];
     /// The parts that probes of contact points read.
-    pub const OF_CONTACT: [ChangedPart; 5] =
-        [ChangedPart::Wear, ChangedPart::Work, ChangedPart::Traction, ChangedPart::Penetration, ChangedPart::Slip];
+    pub const OF_CONTACT: [ChangedPart; 6] = [
+        ChangedPart::Wear,
+        ChangedPart::Depths,
+        ChangedPart::Work,
+        ChangedPart::Traction,
+        ChangedPart::Penetration,
+        ChangedPart::Slip,
+    ];
 
     /// Lists of numbers of a part of a state.
     fn of(self, state: &State) -> Vec<&[f64]> {
@@ -55,6 +64,7 @@ impl ChangedPart {
             ChangedPart::Temperature => vec![&state.theta],
             ChangedPart::Branches => state.branches.iter().map(|branch| &branch[..]).collect(),
             ChangedPart::Wear => vec![&state.surface.wear],
+            ChangedPart::Depths => state.surface.worn.depths.iter().map(|of| &of[..]).collect(),
             ChangedPart::Work => vec![&state.surface.friction_work],
             ChangedPart::Traction | ChangedPart::Penetration | ChangedPart::Slip => Vec::new(),
         }
@@ -67,6 +77,7 @@ impl ChangedPart {
             ChangedPart::Temperature => vec![&mut state.theta],
             ChangedPart::Branches => state.branches.iter_mut().map(|branch| &mut branch[..]).collect(),
             ChangedPart::Wear => vec![&mut state.surface.wear],
+            ChangedPart::Depths => state.surface.worn.depths.iter_mut().map(|of| &mut of[..]).collect(),
             ChangedPart::Work => vec![&mut state.surface.friction_work],
             ChangedPart::Traction | ChangedPart::Penetration | ChangedPart::Slip => Vec::new(),
         }
@@ -79,6 +90,7 @@ impl ChangedPart {
             ChangedPart::Temperature => vec![&change.theta],
             ChangedPart::Branches => change.branches.iter().map(|branch| &branch[..]).collect(),
             ChangedPart::Wear => vec![&change.wear],
+            ChangedPart::Depths => change.depths.iter().map(|of| &of[..]).collect(),
             ChangedPart::Work => vec![&change.work],
             ChangedPart::Traction | ChangedPart::Penetration | ChangedPart::Slip => Vec::new(),
         }
@@ -119,9 +131,10 @@ impl StateChange<'_> {
         let over = |lists: &[&[f64]], reads: &dyn Fn(usize) -> bool| -> f64 {
             lists.iter().fold(0.0, |most: f64, list| most.max(largest(list, reads)))
         };
+        let turned = self.points.iter().fold(0.0, |most: f64, point| most.max(self.turned(part, point)));
         let of_points =
             self.change.1.iter().fold(0.0, |most: f64, all| most.max(largest(&all[part.of_point()], |_| true)));
-        let change = over(&changes, &reads).max(of_points);
+        let change = over(&changes, &reads).max(of_points).max(turned);
         if change == 0.0 {
             return None;
         }
@@ -161,7 +174,32 @@ impl StateChange<'_> {
             to.penetration += penetration;
             to.q.iter_mut().zip(global(&point.basis, &[0.0, q1, q2])).for_each(|(q, more)| *q += more);
             to.slip.iter_mut().zip(global(&point.basis, &[0.0, s1, s2])).for_each(|(s, more)| *s += more);
+            let advance = h * self.advance(point);
+            match part {
+                ChangedPart::Traction => point.advance.turn(to, (&point.force, [0.0; 2]), advance),
+                ChangedPart::Slip => {
+                    let normal = to.normal;
+                    point.advance.turn(to, (&[0.0; 3], point.slip), advance);
+                    to.normal = normal;
+                }
+                _ => {}
+            }
         }
+    }
+
+    /// The change of δ of the contact of a point.
+    fn advance(&self, point: &LinearPoint) -> f64 {
+        self.change.0.advance.get(point.contact).copied().unwrap_or(0.0)
+    }
+
+    /// The size of the change of the numbers of a point that turns with δ.
+    fn turned(&self, part: ChangedPart, point: &LinearPoint) -> f64 {
+        let size = match part {
+            ChangedPart::Traction => point.force.iter().fold(0.0, |most: f64, force| most.max(force.abs())),
+            ChangedPart::Slip => point.slip[0].abs().max(point.slip[1].abs()),
+            _ => 0.0,
+        };
+        self.advance(point).abs() * point.advance.turning() * size
     }
 
     fn reads(&self, part: ChangedPart, i: usize) -> bool {

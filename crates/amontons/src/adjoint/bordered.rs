@@ -33,6 +33,16 @@ pub(super) struct BorderedRight<'a> {
     pub held: Option<&'a [f64]>,
 }
 
+/// The right-hand sides of a mechanical half-step.
+pub(super) struct Pushed {
+    /// Of (4.1) per degree of freedom.
+    pub right: Vec<f64>,
+    /// Of the equations of the contact points.
+    pub defects: Vec<Local>,
+    /// The prescribed velocities; zero where none is prescribed.
+    pub held: Vec<f64>,
+}
+
 /// The unknowns of a half-step.
 pub(super) struct Bordered {
     pub x: Vec<f64>,

@@ -21,7 +21,7 @@ pub enum GradientError {
     Linear {
         /// The step n.
         step: usize,
-        /// `mechanics` or `heat`.
+        /// `mechanics`, `heat` or `driven contacts`.
         part: &'static str,
         /// The cause.
         source: SolveError,

@@ -3,14 +3,16 @@
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::balances::{driven, is_moved};
+use super::exerted::{HeatOfContact, exerted, passed};
+use super::worn::wear;
 use crate::contact::{Flux, Status};
 use crate::discretization::Discretization;
 use crate::equation::StepInputs;
 use crate::equation::acting::{boundary_at, contacts_at};
-use crate::equation::foundation::temperatures;
 use crate::equation::given::Given;
 use crate::equation::system::{Bar, Mixed, Products, Step};
-use crate::inclusion::{Chosen, HeatStep, Local, Loose, Mechanical, PointInput, PointOutput, PointState};
+use crate::inclusion::{Chosen, Local, Loose, Mechanical, PointInput, PointOutput, PointState};
 use crate::linalg::{max_abs, zeros};
 use crate::problem::{Coupling, Physics, Problem};
 use crate::pulse::Pulse;
@@ -171,7 +173,11 @@ pub(super) fn at_level<'a>(rule: &Rule, old: &State, new: &'a State) -> Cow<'a, 
         old.iter().zip(new).map(|(old, new)| rule.between([*old, *new])).collect()
     };
     let (w, theta) = (between(&old.w, &new.w), between(&old.theta, &new.theta));
-    Cow::Owned(State { w, theta, ..new.clone() })
+    let mut surface = new.surface.clone();
+    for (new, old) in surface.foundation.iter_mut().zip(&old.surface.foundation) {
+        *new = old.zip(*new).map(|(old, new)| rule.between([old, new]));
+    }
+    Cow::Owned(State { w, theta, surface, ..new.clone() })
 }
 
 /// The equations of a step at given unknowns.
@@ -187,6 +193,17 @@ pub(super) struct StepResidual {
     pub work: Vec<f64>,
     /// The states of the contact points.
     pub states: Vec<PointState>,
+    /// Per contact what it lacks to be in equilibrium with the force that drives it, and the sizes of these forces, N;
+    /// zero where nothing drives it.
+    pub lacking: Vec<f64>,
+    pub driving: Vec<f64>,
+    /// Per contact what the balance of its foundation lacks, and the sizes of its terms, W; zero where θ_F is
+    /// prescribed.
+    pub missing: Vec<f64>,
+    pub warming: Vec<f64>,
+    /// What of wear follows from the unknowns, [`wear`].
+    pub worn: Vec<f64>,
+    pub grown: Vec<f64>,
     /// Largest terms of (4.1) and of (4.2), whose round-off the residuals contain.
     pub sizes: [f64; 2],
 }
@@ -348,9 +365,26 @@ impl ProblemInstance {
                 Some((other, here)) if self.has_body_of(other, of.n) => Arc::clone(&here.body),
                 _ => Arc::new(BodyResidual::new(step, of, beside.map(|(_, here)| &*here.body), self.alike)),
             };
-            let (exerted, passed) = (exerted(step, &states), passed(step, &of.at.theta, &states));
+            let exerted = exerted(step, &states, &of.new.surface.wet.points);
+            let HeatOfContact { passed, missing, warming } = passed(step, of.at, &states);
             let sizes = [body.sizes[0].max(max_abs(&exerted)), body.sizes[1].max(max_abs(&passed))];
-            StepResidual { body, exerted, passed, points, work, states, sizes }
+            let [worn, grown] = wear(step, of.new, &points);
+            let [lacking, driving] = driven(step, &states, &of.at.surface.advance);
+            StepResidual {
+                body,
+                exerted,
+                passed,
+                points,
+                work,
+                states,
+                lacking,
+                driving,
+                missing,
+                warming,
+                worn,
+                grown,
+                sizes,
+            }
         })
     }
 
@@ -400,32 +434,14 @@ impl BodyResidual {
     }
 }
 
-/// The forces of contact points that the nodes of Γ_C lose.
-fn exerted(step: &Step, states: &[PointState]) -> Vec<f64> {
-    if !step.problem.physics.has_mechanics() {
-        return Vec::new();
-    }
-    let mut sum = zeros(step.discrete.v.free.len());
-    let force = |s: &PointState| -> Point { std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]) };
-    step.boundary.scatter(step.discrete.v.components, states.iter().map(force), &mut sum);
-    step.boundary.restricted(step.discrete.v.components, &sum)
-}
-
-/// The heat that the nodes of Γ_C lose by contact.
-fn passed(step: &Step, theta: &[f64], states: &[PointState]) -> Vec<f64> {
-    if !step.problem.physics.has_heat() {
-        return Vec::new();
-    }
-    let (mut sum, foundation) = (zeros(theta.len()), temperatures(step));
-    let on_boundary = heat_step(step, &foundation, states);
-    step.boundary.scatter_heat(on_boundary.sides_at(theta).into_iter(), &mut sum);
-    step.boundary.restricted(1, &sum)
-}
-
 /// The data of the contact points of a step, with its unknowns at the time of its equations.
 pub(super) fn data(step: &Step, at: &State) -> Given {
     let theta = step.boundary.scalars_on(step.contacts, &driving(step, &at.theta));
-    Given::new(step, &at.w).at(theta)
+    let mut given = Given::new(step, &at.w).at(theta);
+    if is_moved(step.problem) {
+        given.lead(step, [&step.old.surface.advance, &at.surface.advance]);
+    }
+    given
 }
 
 /// What the equations of the contact points depend on, at the unknowns of a step.
@@ -563,17 +579,4 @@ fn warming(step: &Step, theta: &[f64], parts: &BodyParts) -> (Vec<f64>, Vec<f64>
     prescribed.iter_mut().zip(&masked).for_each(|(prescribed, free)| *prescribed += free);
     discrete.q.follow(&mut prescribed);
     (rest, prescribed, largest.max(max_abs(&supply)))
-}
-
-/// The heat exchange of a step on Γ_C at states of the contact points, to evaluate its laws.
-pub(super) fn heat_step<'a>(step: &Step<'a>, foundation: &'a [f64], states: &'a [PointState]) -> HeatStep<'a> {
-    HeatStep {
-        contacts: step.contacts,
-        boundary: step.boundary,
-        unknown: &[],
-        theta_prescribed: &[],
-        foundation,
-        lumped: &[],
-        states,
-    }
 }

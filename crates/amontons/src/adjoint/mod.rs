@@ -16,12 +16,16 @@
 //! |---|---|
 //! | `scope`, `chosen` | the problems that have derivatives, and the steps of runs that choose them |
 //! | `history` | the states of the run |
-//! | `instance` | the equations of a step at given unknowns |
+//! | `instance`, `exerted` | the equations of a step at given unknowns |
 //! | `points` | the linearised contact points, and their distances to a change of state |
 //! | `met` | whether a step obeys the equations that are differentiated |
 //! | `factors` | the matrices of a step at its solution with their factors, and derivatives of forms in the state |
 //! | `forms` | derivatives of forms by a parameter |
 //! | `bordered` | a linearised half-step with the equations of its contact points |
+//! | `balances` | the equations of foundations with a heat capacity, and of contacts that move as a force asks |
+//! | `advance`, `driven` | contacts that move as a force asks: what their points see of it, and their equations |
+//! | `lumped`, `worn` | foundations with a heat capacity, and depths of wear of pairs |
+//! | `vector` | numbers of a state |
 //! | `transpose`, `sweep` | Jᵀ, and a step backward |
 //! | `tangent`, `series` | J, and the steps forward along with a run, for outputs at all steps |
 //! | `outputs`, `along`, `parameter` | o with its derivatives, and the problems around a value of m |
@@ -29,14 +33,19 @@
 //!
 //! ∂R/∂m is a difference of equations at fixed unknowns, never of runs: any number of a case is a parameter.
 
+mod advance;
 mod along;
+mod balances;
 mod bordered;
 pub(crate) mod chosen;
+mod driven;
 mod error;
+mod exerted;
 mod factors;
 mod forms;
 mod history;
 mod instance;
+mod lumped;
 mod met;
 mod outputs;
 mod parameter;
@@ -49,9 +58,12 @@ mod tangent;
 #[cfg(all(test, feature = "case"))]
 mod tests;
 mod transpose;
+mod vector;
+mod worn;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use driven::DrivenStep;
 pub use error::{GradientError, RefusedGradient};
 use factors::StepFactors;
 use history::{KeptStep, RunHistory, started};
@@ -62,7 +74,8 @@ use parameter::Variants;
 use points::{Forced, LinearPoint, PointMargin, TOUCHES, linearised, margins};
 use serde::Serialize;
 pub use series::{SeriesRequest, SeriesTable, series};
-use sweep::{Around, LinearStep, Multiplied, OfPoints, StateVector};
+use sweep::{Around, LinearStep, Multiplied, OfPoints};
+use vector::StateVector;
 
 use crate::inclusion::Local;
 use crate::output::Probe;
@@ -148,8 +161,8 @@ fn gradient_of(request: &GradientRequest) -> Result<GradientTable, GradientError
     let ties: Vec<PointMargin> = near.iter().copied().filter(|near| near.value <= TOUCHES).collect();
     let nearest = near.iter().min_by(|a, b| a.value.total_cmp(&b.value)).copied();
     let beyond = match ties.as_slice() {
-        [PointMargin { n, point, beyond, .. }] => {
-            Some(whole.derivatives(Some(Forced { n: *n, point: *point, branch: *beyond }))?.0)
+        [PointMargin { n, point, beyond: Some(branch), .. }] => {
+            Some(whole.derivatives(Some(Forced { n: *n, point: *point, branch: *branch }))?.0)
         }
         _ => None,
     };
@@ -304,11 +317,11 @@ impl WholeSweep<'_> {
             let begins = (n == steps).then_some((phased, request.parameters));
             back.visit(base, (n, old, new), begins, Some(&last).filter(|_| n == steps))?;
             if start.rests {
-                back.ended.iter_mut().for_each(|weighted| weighted.state.w.fill(0.0));
+                back.ended.iter_mut().for_each(|weighted| weighted.state.rest());
             }
         }
         if let Some(Equilibrium { instance, start, kept }) = self.equilibrium {
-            let others = back.without_displacement();
+            let others = back.without_equilibrium();
             add_start(&phased.first, &back.variants, &others, &mut back.sums)?;
             let still: Vec<Parameter> = request.parameters.iter().map(Parameter::at_equilibrium).collect();
             back.factors = None;
@@ -350,7 +363,7 @@ impl BackSweep<'_, '_> {
         let (states, flux) = (&new.states, &new.flux);
         let solved = SolvedStep { n, old, new: &new.state, at, states, flux, chosen: &chosen, unknown: &unknown };
         let (points, forces, here) = at_solution(base, &solved, self.forced)?;
-        keep_least(&mut self.near, margins(&solved, &points, &made.rule));
+        keep_least(&mut self.near, margins(&base.problem.contacts, &solved, &points, &made.rule));
         if let Some((phased, parameters)) = begins {
             let parameters = parameters.iter().zip(self.sizes);
             let all = parameters.map(|(of, size)| of.variants(phased, (&solved, &forces), *size));
@@ -359,7 +372,9 @@ impl BackSweep<'_, '_> {
         if let Some(last) = last {
             self.ended = at_end(base, self.outputs, last, &points)?;
         }
-        let step = LinearStep { base, solved, points: &points };
+        let failed = |source| GradientError::Linear { step: n, part: "driven contacts", source };
+        let driven = &DrivenStep::back(&mut made, base, &solved, &points).map_err(failed)?;
+        let step = LinearStep { base, solved, points: &points, driven };
         let of_outputs = self.ended.iter_mut().map(|OutputWeights { state, before, direct }| {
             step.back(&mut made, (state, before), direct.take().as_ref())
         });
@@ -384,13 +399,14 @@ impl BackSweep<'_, '_> {
         Ok(())
     }
 
-    /// The weights of the initial state but for its displacement, which become those of the equilibrium: of the
-    /// displacement alone.
-    fn without_displacement(&mut self) -> Vec<OutputWeights> {
+    /// The weights of the initial state but for those that become the ones of the equilibrium: of its displacement and
+    /// of the lengths by which contacts have moved.
+    fn without_equilibrium(&mut self) -> Vec<OutputWeights> {
         let of_equilibrium = |OutputWeights { state, .. }: &mut OutputWeights| {
-            let none = StateVector { u: state.u.clone(), ..state.zeros() };
+            let none = StateVector { u: state.u.clone(), advance: state.advance.clone(), ..state.zeros() };
             let mut others = std::mem::replace(state, none);
             others.u.fill(0.0);
+            others.advance.fill(0.0);
             OutputWeights { state: others, before: None, direct: None }
         };
         self.ended.iter_mut().map(of_equilibrium).collect()
@@ -459,9 +475,7 @@ fn at_end(
 ) -> Result<Vec<OutputWeights>, GradientError> {
     let slopes = |output| {
         let (weights, of_points) = OutputReader::new(base, output)?.slopes(state, report, points);
-        let all = weights.u.iter().chain(&weights.w).chain(&weights.theta).chain(&weights.wear).chain(&weights.work);
-        let all = all.chain(weights.branches.iter().flatten());
-        if all.chain(of_points.iter().flatten()).any(|slope| !slope.is_finite()) {
+        if weights.lists().flatten().chain(of_points.iter().flatten()).any(|slope| !slope.is_finite()) {
             let found = "a number with a kink here, such as the largest of several equal ones";
             let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
             return Err(GradientError::refused(fault));

@@ -1,5 +1,6 @@
 //! The numbers at the end of a run whose derivatives are asked for.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::along::{ChangedPart, Scratch, StateChange, spread, strain_scale};
@@ -7,7 +8,8 @@ use super::error::GradientError;
 use super::instance::{ProblemInstance, global};
 use super::points::LinearPoint;
 use super::stencil::derivative;
-use super::sweep::{OfPoints, StateVector};
+use super::sweep::OfPoints;
+use super::vector::StateVector;
 use crate::inclusion::PointState;
 use crate::output::{OF_WHOLE, Probe, ProbeError, ProbeSet, Snapshot, Work};
 use crate::problem::{Fault, Problem};
@@ -211,60 +213,86 @@ impl<'a> OutputReader<'a> {
     pub fn slopes(&self, state: &State, report: &StepReport, points: &[LinearPoint]) -> (StateVector, OfPoints) {
         let mut last = (state.clone(), report.clone());
         let mut found = (StateVector::zero(state), vec![[0.0; 6]; points.len()]);
-        let scale = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        let or = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
-        let dim = self.instance.problem.mesh.dim;
         let nodes = self.set.as_ref().and_then(|set| set.nodes(&self.instance.problem.mesh));
-        let bases: Vec<_> = points.iter().map(|point| point.basis).collect();
-        if let Some(nodes) = nodes {
-            let of = |values: &[f64]| {
-                if !self.output.is_of_strains() {
-                    return or(scale(values));
-                }
-                strain_scale(scale(values), spread(values, dim, |i| nodes.contains(&((i / dim) as u32))))
-            };
-            let (u, w, theta) = (of(&state.u), of(&state.w), or(scale(&state.theta)));
-            for node in nodes.into_iter().map(|node| node as usize) {
-                for i in node * dim..(node + 1) * dim {
-                    found.0.u[i] = self.slope(&mut last, u, |(state, _), h| state.u[i] += h);
-                    found.0.w[i] = self.slope(&mut last, w, |(state, _), h| state.w[i] += h);
-                }
-                // Of quantities of the body only those of strains have a part of the branches.
-                let branches = if self.output.is_of_strains() { state.branches.len() } else { 0 };
-                for b in 0..branches {
-                    for i in node * dim..(node + 1) * dim {
-                        let slope = self.slope(&mut last, u, |(state, _), h| state.branches[b][i] += h);
-                        found.0.branches[b][i] = slope;
-                    }
-                }
-                found.0.theta[node] = self.slope(&mut last, theta, |(state, _), h| state.theta[node] += h);
-            }
-            return found;
+        match nodes {
+            Some(nodes) => self.slopes_of_nodes(&mut last, &nodes, &mut found.0),
+            None => self.slopes_of_contact(&mut last, points, &mut found),
         }
-        let surface = &state.surface;
-        let [wear, work] = [&surface.wear, &surface.friction_work].map(|values| or(scale(values)));
-        let most = |of: fn(&PointState) -> f64| {
-            or(report.contact.states.iter().fold(0.0, |most: f64, state| most.max(of(state))))
+        found
+    }
+
+    /// The derivatives by the values at nodes that are read.
+    fn slopes_of_nodes(&self, last: &mut (State, StepReport), nodes: &BTreeSet<u32>, found: &mut StateVector) {
+        let dim = self.instance.problem.mesh.dim;
+        let of = |values: &[f64]| {
+            if !self.output.is_of_strains() {
+                return size(values);
+            }
+            strain_scale(largest(values), spread(values, dim, |i| nodes.contains(&((i / dim) as u32))))
         };
+        let (u, w, theta) = (of(&last.0.u), of(&last.0.w), size(&last.0.theta));
+        // Of quantities of the body only those of strains have a part of the branches.
+        let branches = if self.output.is_of_strains() { last.0.branches.len() } else { 0 };
+        for node in nodes.iter().map(|node| *node as usize) {
+            for i in node * dim..(node + 1) * dim {
+                found.u[i] = self.slope(last, u, |(state, _), h| state.u[i] += h);
+                found.w[i] = self.slope(last, w, |(state, _), h| state.w[i] += h);
+            }
+            for b in 0..branches {
+                for i in node * dim..(node + 1) * dim {
+                    found.branches[b][i] = self.slope(last, u, |(state, _), h| state.branches[b][i] += h);
+                }
+            }
+            found.theta[node] = self.slope(last, theta, |(state, _), h| state.theta[node] += h);
+        }
+    }
+
+    /// The derivatives by what contact keeps, and by the states of its points.
+    fn slopes_of_contact(
+        &self,
+        last: &mut (State, StepReport),
+        points: &[LinearPoint],
+        (found, of_points): &mut (StateVector, OfPoints),
+    ) {
+        let surface = &last.0.surface;
+        let [wear, work] = [size(&surface.wear), size(&surface.friction_work)];
+        let deep = size(&surface.worn.depths.concat());
+        let most = |of: fn(&PointState) -> f64| size(&last.1.contact.states.iter().map(of).collect::<Vec<f64>>());
         let traction = most(|state| state.pressure.abs().max(crate::tensor::length(&state.q)));
-        let scales = [
-            traction,
-            traction,
-            traction,
-            most(|state| state.penetration.abs()),
-            most(|state| crate::tensor::length(&state.slip)),
-            most(|state| crate::tensor::length(&state.slip)),
-        ];
-        for i in 0..points.len() {
-            found.0.wear[i] = self.slope(&mut last, wear, |(state, _), h| state.surface.wear[i] += h);
-            found.0.work[i] = self.slope(&mut last, work, |(state, _), h| state.surface.friction_work[i] += h);
+        let (depth, slip) = (most(|state| state.penetration), most(|state| crate::tensor::length(&state.slip)));
+        let scales = [traction, traction, traction, depth, slip, slip];
+        for s in 0..found.depths.len() {
+            for a in 0..found.depths[s].len() {
+                found.depths[s][a] = self.slope(last, deep, |(state, _), h| state.surface.worn.depths[s][a] += h);
+            }
+        }
+        for (contact, slope) in found.advance.iter_mut().enumerate() {
+            *slope = self.turned(last, points, contact);
+        }
+        for (i, point) in points.iter().enumerate() {
+            found.wear[i] = self.slope(last, wear, |(state, _), h| state.surface.wear[i] += h);
+            found.work[i] = self.slope(last, work, |(state, _), h| state.surface.friction_work[i] += h);
             for (k, scale) in scales.into_iter().enumerate() {
-                found.1[i][k] = self.slope(&mut last, scale, |(_, report), h| {
-                    report.contact.states.get_mut(i).into_iter().for_each(|state| change(state, &bases[i], k, h));
+                of_points[i][k] = self.slope(last, scale, |(_, report), h| {
+                    report.contact.states.get_mut(i).into_iter().for_each(|state| change(state, &point.basis, k, h));
                 });
             }
         }
-        found
+    }
+
+    /// The derivative by δ of a contact, whose points turn, at fixed (p, q) and slip in their bases.
+    fn turned(&self, last: &mut (State, StepReport), points: &[LinearPoint], contact: usize) -> f64 {
+        let own = || points.iter().enumerate().filter(|(_, point)| point.contact == contact);
+        let turning = own().fold(0.0, |most: f64, (_, point)| most.max(point.advance.turning()));
+        if turning == 0.0 {
+            return 0.0;
+        }
+        self.slope(last, turning.recip(), |(_, report), h| {
+            for (i, point) in own() {
+                let state = report.contact.states.get_mut(i).into_iter();
+                state.for_each(|state| point.advance.turn(state, (&point.force, point.slip), h));
+            }
+        })
     }
 
     fn slope(&self, last: &mut (State, StepReport), scale: f64, change: impl Fn(&mut (State, StepReport), f64)) -> f64 {
@@ -278,6 +306,17 @@ impl<'a> OutputReader<'a> {
         };
         derivative(at, scale, [0.0], ()).map_or(f64::NAN, |[slope]| slope)
     }
+}
+
+/// The largest magnitude of numbers.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+}
+
+/// The same as a scale: 1 if all are zero.
+fn size(values: &[f64]) -> f64 {
+    let largest = largest(values);
+    if largest > 0.0 { largest } else { 1.0 }
 }
 
 /// Changes pressure, a component of q, the penetration, or a component of the slip.

@@ -1,8 +1,12 @@
 //! The derivatives of the equations of the contact points at a solution, and how near the points are to a kink.
 
+pub(super) use super::advance::INPUTS;
+use super::advance::{PointAdvance, advances};
+use super::balances::bound;
+use super::exerted::fluid_at;
 use super::instance::{ProblemInstance, SolvedStep, data, inputs};
 use super::stencil::derivative;
-use crate::contact::{GraphKind, Status};
+use crate::contact::{Contact, GraphKind, Status};
 use crate::inclusion::{Local, LocalTangent, Mechanical, PointInput, PointOutput, PointState};
 use crate::linalg::max_abs;
 use crate::tensor::{Point, dot, length};
@@ -10,8 +14,7 @@ use crate::time::Rule;
 
 /// Margin up to which a contact point counts as on a change of its state.
 pub(super) const TOUCHES: f64 = 1e-9;
-/// Number of inputs and outputs of a point.
-pub(super) const INPUTS: usize = 8;
+/// Number of outputs of a point.
 pub(super) const OUTPUTS: usize = 8;
 
 /// The equations of a contact point, linearised at a solution.
@@ -32,6 +35,11 @@ pub(super) struct LinearPoint {
     /// Derivatives by input: jump of the velocities (3), (p, q) (3), ū_ν − g, and temperature; of defect (3),
     /// penetration, slip (2), wear depth, and penetration at the time of the equations.
     pub by: [[f64; OUTPUTS]; INPUTS],
+    /// The number of its contact, and the changes with δ of this contact.
+    pub contact: usize,
+    pub advance: PointAdvance,
+    /// Pressure of a fluid, Pa.
+    pub fluid: f64,
 }
 
 impl LinearPoint {
@@ -82,8 +90,9 @@ pub(super) fn linearised(
         let inputs = inputs(step, &given, &term, of.at, &forces(Some(&term), of.states));
         let outputs: Vec<PointOutput> = inputs.iter().enumerate().map(|(i, at)| term.equations(i, at)).collect();
         let scales = InputScales::new(of, &inputs, &outputs, step.rule.span);
-        let all = inputs.iter().zip(&outputs).zip(&given.frames).enumerate();
-        all.map(|(i, ((input, output), frame))| {
+        let advances = advances(step, of)?;
+        let all = inputs.iter().zip(&outputs).zip(given.frames.iter().zip(&advances)).enumerate();
+        all.map(|(i, ((input, output), (frame, advance)))| {
             let branch = forced
                 .filter(|forced| forced.n == of.n && forced.point == i)
                 .map_or(output.branch, |forced| forced.branch);
@@ -108,8 +117,12 @@ pub(super) fn linearised(
                 };
                 *by = derivative(at, scales.of(i, j), sizes, branch).ok_or(i)?;
             }
-            let contact = base.discrete.boundary.points.get(i).and_then(|on| step.contacts.get(on.contact));
+            let number = step.boundary.points.get(i).map_or(0, |on| on.contact);
+            let contact = step.contacts.get(number);
             Ok(LinearPoint {
+                contact: number,
+                advance: *advance,
+                fluid: fluid_at(step, i, &of.new.surface.wet.points),
                 may_open: contact.is_none_or(|contact| contact.normal.graph() != GraphKind::Bilateral),
                 basis: term.basis(i),
                 slip: output.slip,
@@ -152,7 +165,7 @@ impl InputScales {
             let depth = output.penetration.abs().max(span * per_rho * input.force[0].abs());
             let q = input.force[1].hypot(input.force[2]);
             let slip = output.slip[0].hypot(output.slip[1]);
-            let (speed, traction) = (slip.max(per_rho * q), q.max(rho * slip).max(output.bound));
+            let (speed, traction) = (slip.max(per_rho * q), q.max(rho * slip).max(bound(output.bound)));
             let pressure = input.force[0].abs().max(rho / span * output.penetration.abs());
             [depth / span, speed, speed, pressure, traction, traction, depth, warm]
         };
@@ -182,18 +195,19 @@ impl InputScales {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PointMargin {
     pub value: f64,
-    /// What the branch would be beyond the change.
-    pub beyond: [bool; 2],
+    /// What the branch would be beyond the change; `None` if a fluid would reach other points there.
+    pub beyond: Option<[bool; 2]>,
     pub n: usize,
     pub point: usize,
 }
 
 /// The margins of all points of a step: |r|/(k max|w|) of open points, p/max p and (s − ‖q‖)/max p of closed ones, and
-/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component. Without pressure max s is taken for max p.
-pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
+/// ‖w_τ − v_F‖/max|w| of those that slip, max|w| the largest component. Without pressure max s is taken for max p. A
+/// point that a fluid passes up to a pressure is as far from a change as its pressure is from that one.
+pub(super) fn margins(contacts: &[Contact], of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> Vec<PointMargin> {
     let largest = |of_point: &dyn Fn(&PointState) -> f64| of.states.iter().map(of_point).fold(0.0, f64::max);
     let pressure = largest(&|state| state.pressure.abs());
-    let bound = largest(&|state| state.bound);
+    let bound = largest(&|state| bound(state.bound));
     let scales = MarginScales {
         speed: max_abs(&of.at.w),
         pressure,
@@ -205,7 +219,16 @@ pub(super) fn margins(of: &SolvedStep, points: &[LinearPoint], rule: &Rule) -> V
     for (i, (state, point)) in of.states.iter().zip(points).enumerate() {
         let Some(rho) = of.chosen.rho().get(i).copied().filter(|rho| *rho > 0.0) else { continue };
         let found = scales.of(state, point, rho).into_iter().flatten();
-        all.extend(found.map(|(value, beyond)| PointMargin { value, beyond, n: of.n, point: i }));
+        let made = |value, beyond| PointMargin { value, beyond, n: of.n, point: i };
+        match contacts.get(point.contact).and_then(|contact| contact.fluid.as_ref()) {
+            None => all.extend(found.map(|(value, beyond)| made(value, Some(beyond)))),
+            Some(fluid) => {
+                all.extend(found.map(|(value, _)| made(value, None)));
+                if fluid.sealed_above > 0.0 && state.pressure > 0.0 {
+                    all.push(made((state.pressure - fluid.sealed_above).abs() / pressure, None));
+                }
+            }
+        }
     }
     all
 }

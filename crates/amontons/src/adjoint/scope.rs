@@ -9,7 +9,7 @@ use crate::time::{Analysis, FrictionRule, Start};
 /// Checks that the derivative of a run of the problem can be computed, and names the first feature for which it cannot.
 pub(super) fn check(phased: &PhasedInstance) -> Result<(), GradientError> {
     let problem = &phased.first.problem;
-    let found = of_time(problem);
+    let found = of_phases(phased).or_else(|| of_scheme(problem));
     let of_contact = || {
         let mut sides = problem.contacts.iter().enumerate();
         sides.find_map(|(side, contact)| {
@@ -24,20 +24,12 @@ pub(super) fn check(phased: &PhasedInstance) -> Result<(), GradientError> {
 
 type OutOfScope = (String, &'static str, &'static str);
 
-fn of_time(problem: &Problem) -> Option<OutOfScope> {
-    let told = |path: &str, found, expected| Some((path.to_owned(), found, expected));
-    let timeline = &problem.timeline;
-    match () {
-        () if timeline.has_phases() && problem.contacts.iter().any(is_bilateral) => {
-            told("phase", "phases with bilateral contact", "a run of one phase")
-        }
-        () => of_scheme(problem),
-    }
-}
-
 /// A bilateral contact that begins with a phase keeps the gap that it finds.
-fn is_bilateral(contact: &Contact) -> bool {
-    contact.normal.graph() == GraphKind::Bilateral
+fn of_phases(phased: &PhasedInstance) -> Option<OutOfScope> {
+    let begins = |contact: &Contact| contact.normal.graph() == GraphKind::Bilateral && !contact.acts();
+    let found = phased.all().any(|instance| instance.problem.contacts.iter().any(begins));
+    found
+        .then(|| ("phase".to_owned(), "a bilateral contact that acts in some phases", "one that acts in the whole run"))
 }
 
 /// What a scheme in time has that is not differentiated. The ϑ-scheme on rigid foundations depends on the velocities
@@ -68,17 +60,8 @@ fn of_contact(contact: &Contact) -> Option<(&'static str, &'static str, &'static
         () if pair.is_some_and(crate::contact::Pair::is_updated) => {
             Some(("geometry", "an updated pair", "\"reference\""))
         }
-        () if pair.is_some() && contact.wear.is_some() => Some(("wear", "wear of a pair", "wear on a foundation")),
         () if contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.updated) => {
             Some(("obstacle.updated", "an obstacle that is followed", "false"))
-        }
-        () if contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.load.is_some()) => {
-            Some(("obstacle.load", "an obstacle under a load", "a given motion"))
-        }
-        () if contact.preload.is_some() => Some(("preload", "a preload", "none")),
-        () if contact.fluid.is_some() => Some(("fluid", "a fluid", "none")),
-        () if contact.foundation_heat.is_some() => {
-            Some(("foundation_heat", "a foundation with a heat capacity", "a given temperature"))
         }
         () => None,
     }

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::along::Scratch;
 use super::chosen::{made_steps, with_steps};
+use super::driven::{DrivenStep, Shifted};
 use super::error::GradientError;
 use super::factors::StepFactors;
 use super::history::{KeptStep, made, started};
@@ -21,8 +22,9 @@ use super::outputs::{GradientOutput, OutputReader};
 use super::parameter::{Parameter, Variants};
 use super::points::{LinearPoint, PointMargin, TOUCHES, margins};
 use super::stencil;
-use super::sweep::{Around, LinearStep, OfPoints, StateVector};
+use super::sweep::{Around, LinearStep, OfPoints};
 use super::tangent::ResidualSlope;
+use super::vector::StateVector;
 use super::{Equilibrium, KINK, NOTHING, ROUNDINGS, SIZES, at_solution, keep_least, scope};
 use crate::inclusion::Local;
 use crate::output::{Probe, ProbeSet};
@@ -171,8 +173,9 @@ impl ForwardSweep<'_> {
                 unknown: &unknown,
             };
             let (points, forces, here) = at_solution(base, &solved, None)?;
-            keep_least(&mut near, margins(&solved, &points, &factor.rule));
-            let step = LinearStep { base, solved, points: &points };
+            keep_least(&mut near, margins(&base.problem.contacts, &solved, &points, &factor.rule));
+            let driven = &driven(&mut factor, base, (&solved, &points))?;
+            let step = LinearStep { base, solved, points: &points, driven };
             if n == 1 {
                 self.begin((&solved, &forces))?;
                 self.add_row(&mut table, (&old.state, None), &[], None)?;
@@ -232,16 +235,17 @@ impl ForwardSweep<'_> {
         let (states, flux, new) = (&kept.states, &kept.flux, &kept.state);
         let solved = SolvedStep { n: 0, old: start, new, at, states, flux, chosen: &chosen, unknown: &unknown };
         let (points, forces, here) = at_solution(base, &solved, None)?;
-        let step = LinearStep { base, solved, points: &points };
+        let driven = &driven(&mut factors, base, (&solved, &points))?;
+        let step = LinearStep { base, solved, points: &points, driven };
         let none = StateVector::zero(start);
         for (column, parameter) in self.columns.iter_mut().zip(self.request.parameters) {
             let of_start = parameter.at_equilibrium();
             let variants = of_start.variants(instance, (&step.solved, &forces), 0)?;
             let found = variants.slopes(&step, (&forces, &here)).ok_or_else(|| parameter.kink())?;
-            column.state.u = step.forward(&mut factors, (&none, None), &found.slope)?.0.u;
+            column.state.start_from(step.forward(&mut factors, (&none, None), &found.slope)?.0);
             if let Some(kink) = found.kink {
-                let u = step.forward(&mut factors, (&none, None), &kink)?.0.u;
-                column.kink.get_or_insert_with(|| none.clone()).u = u;
+                let kink = step.forward(&mut factors, (&none, None), &kink)?.0;
+                column.kink.get_or_insert_with(|| none.clone()).start_from(kink);
             }
         }
         Ok(())
@@ -259,7 +263,7 @@ impl ForwardSweep<'_> {
     fn advance(
         &mut self,
         factors: &mut StepFactors,
-        step: &LinearStep,
+        step: &LinearStep<Shifted>,
         here: (&[Local], &StepResidual),
     ) -> Result<Vec<[StepResidual; 4]>, GradientError> {
         let mut equations = Vec::with_capacity(self.columns.len());
@@ -278,7 +282,7 @@ impl ForwardSweep<'_> {
     fn slopes(
         &mut self,
         j: usize,
-        step: &LinearStep,
+        step: &LinearStep<Shifted>,
         here: (&[Local], &StepResidual),
     ) -> Result<StepSlopes, GradientError> {
         let parameter = &self.request.parameters[j];
@@ -393,6 +397,16 @@ impl ForwardSweep<'_> {
     }
 }
 
+/// The driven contacts of a step.
+fn driven(
+    factors: &mut StepFactors,
+    base: &ProblemInstance,
+    (of, points): (&SolvedStep, &[LinearPoint]),
+) -> Result<DrivenStep<Shifted>, GradientError> {
+    let failed = |source| GradientError::Linear { step: of.n, part: "driven contacts", source };
+    DrivenStep::forth(factors, base, of, points).map_err(failed)
+}
+
 fn no_slope(output: &GradientOutput) -> GradientError {
     let found = "a number with a kink in a step, such as the largest of several equal ones";
     let fault = Fault::new(format!("output {}", output.name), found, "a differentiable number");
@@ -401,7 +415,7 @@ fn no_slope(output: &GradientOutput) -> GradientError {
 
 impl Variants {
     /// The derivatives of the equations of a step; `None` if a difference leaves the branch of a point on both sides.
-    fn slopes(&self, step: &LinearStep, (forces, here): (&[Local], &StepResidual)) -> Option<StepSlopes> {
+    fn slopes(&self, step: &LinearStep<Shifted>, (forces, here): (&[Local], &StepResidual)) -> Option<StepSlopes> {
         let of = |variant: &PhasedInstance| {
             variant.of(step.solved.n.max(1)).residual(&step.solved, forces, Some((step.base, here)))
         };
@@ -417,14 +431,14 @@ impl Variants {
 impl ParameterColumn {
     /// Makes the derivatives those of a state at rest.
     fn rest(&mut self) {
-        self.state.w.fill(0.0);
-        self.kink.iter_mut().for_each(|kink| kink.w.fill(0.0));
+        self.state.rest();
+        self.kink.iter_mut().for_each(StateVector::rest);
     }
 
     fn advance(
         &mut self,
         factors: &mut StepFactors,
-        step: &LinearStep,
+        step: &LinearStep<Shifted>,
         slope: &ResidualSlope,
         kink: Option<ResidualSlope>,
     ) -> Result<(), GradientError> {

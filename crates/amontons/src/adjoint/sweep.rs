@@ -3,128 +3,24 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::balances::{is_moved, largest_traction};
+use super::driven::{DrivenStep, turned};
 use super::error::GradientError;
 use super::factors::{StepFactors, coupled};
 use super::instance::{BodyResidual, ProblemInstance, SolvedStep, StepResidual};
+use super::lumped::{both_sides, multipliers, takes_friction};
 use super::points::{INPUTS, LinearPoint};
 use super::stencil;
-use super::transpose::{Transposed, onto_sides, sides_of, unweighted};
+use super::transpose::{Transposed, onto_sides, unweighted};
+use super::vector::StateVector;
+use super::worn::{add_lists, grown_transposed, of_pairs_or, seen_transposed};
+use crate::equation::heat::lumped;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
-use crate::linalg::{SolveError, dot, max_abs, zeros};
+use crate::linalg::{SolveError, dot, zeros};
 use crate::problem::Coupling;
-use crate::state::State;
 use crate::tensor::dot as inner;
 use crate::time::Start;
-
-/// A vector of the numbers of a state: the derivatives of an output by the state, or those of the state by a parameter.
-#[derive(Clone, Debug)]
-pub(super) struct StateVector {
-    pub u: Vec<f64>,
-    pub w: Vec<f64>,
-    pub theta: Vec<f64>,
-    /// Of the mean rate of θ in the step that led to the state; empty if no step extrapolates it.
-    pub theta_rate: Vec<f64>,
-    pub branches: Vec<Vec<f64>>,
-    /// Of depth of wear and of work of friction per contact point.
-    pub wear: Vec<f64>,
-    pub work: Vec<f64>,
-}
-
-impl StateVector {
-    /// No weights, of the size of a state.
-    pub fn zero(state: &State) -> StateVector {
-        StateVector {
-            u: zeros(state.u.len()),
-            w: zeros(state.w.len()),
-            theta: zeros(state.theta.len()),
-            theta_rate: zeros(state.theta_rate.len()),
-            branches: state.branches.iter().map(|branch| zeros(branch.len())).collect(),
-            wear: zeros(state.surface.wear.len()),
-            work: zeros(state.surface.friction_work.len()),
-        }
-    }
-
-    /// A vector of this size without numbers other than zero.
-    pub fn zeros(&self) -> StateVector {
-        StateVector {
-            u: zeros(self.u.len()),
-            w: zeros(self.w.len()),
-            theta: zeros(self.theta.len()),
-            theta_rate: zeros(self.theta_rate.len()),
-            branches: self.branches.iter().map(|branch| zeros(branch.len())).collect(),
-            wear: zeros(self.wear.len()),
-            work: zeros(self.work.len()),
-        }
-    }
-
-    /// (4 v₀ − v₋₁)/3 of the vectors of two states, to which a step adds; of wear and work of friction v₀.
-    pub fn mixed(start: &StateVector, before: &StateVector) -> StateVector {
-        let mix = |now: &[f64], then: &[f64]| -> Vec<f64> {
-            now.iter().zip(then).map(|(now, then)| (4.0 * now - then) / 3.0).collect()
-        };
-        StateVector {
-            u: mix(&start.u, &before.u),
-            w: mix(&start.w, &before.w),
-            theta: mix(&start.theta, &before.theta),
-            theta_rate: start.theta_rate.clone(),
-            branches: start.branches.iter().zip(&before.branches).map(|(now, then)| mix(now, then)).collect(),
-            wear: start.wear.clone(),
-            work: start.work.clone(),
-        }
-    }
-
-    /// Adds a multiple of the parts of another vector to which steps add: all but rates, wear and work of friction.
-    fn add_bar(&mut self, factor: f64, bar: &StateVector) {
-        let add = |to: &mut [f64], from: &[f64]| {
-            to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
-        };
-        add(&mut self.u, &bar.u);
-        add(&mut self.w, &bar.w);
-        add(&mut self.theta, &bar.theta);
-        self.branches.iter_mut().zip(&bar.branches).for_each(|(to, from)| add(to, from));
-    }
-
-    /// The derivative and the kink of values around a state, as [`stencil::central`] has them, the kink without
-    /// round-off.
-    pub fn central(h: f64, all: [&State; 5]) -> [StateVector; 2] {
-        let of = |of: &dyn Fn(&State) -> &[f64]| {
-            let values = all.map(of);
-            stencil::of_lists(h, values, max_abs(values[2]))
-        };
-        let [u, w, theta] = [of(&|s| &s.u), of(&|s| &s.w), of(&|s| &s.theta)];
-        let [wear, work] = [of(&|s| &s.surface.wear), of(&|s| &s.surface.friction_work)];
-        let rate = of(&|s| &s.theta_rate);
-        let branches: Vec<[Vec<f64>; 2]> = (0..all[2].branches.len()).map(|b| of(&|s| &s.branches[b])).collect();
-        [0, 1].map(|k| StateVector {
-            u: u[k].clone(),
-            w: w[k].clone(),
-            theta: theta[k].clone(),
-            theta_rate: rate[k].clone(),
-            branches: branches.iter().map(|both| both[k].clone()).collect(),
-            wear: wear[k].clone(),
-            work: work[k].clone(),
-        })
-    }
-
-    /// True if all numbers are zero.
-    pub fn is_zero(&self) -> bool {
-        let StateVector { u, w, theta, theta_rate, branches, wear, work } = self;
-        let all = [u, w, theta, theta_rate, wear, work].into_iter().chain(branches);
-        all.flatten().all(|value| *value == 0.0)
-    }
-
-    /// The sum of the products with the values of a state.
-    pub fn product(&self, state: &State) -> f64 {
-        let branches = self.branches.iter().zip(&state.branches).map(|(a, b)| dot(a, b)).sum::<f64>();
-        dot(&self.u, &state.u)
-            + dot(&self.w, &state.w)
-            + dot(&self.theta, &state.theta)
-            + branches
-            + dot(&self.wear, &state.surface.wear)
-            + dot(&self.work, &state.surface.friction_work)
-    }
-}
 
 /// The derivative of an output by the states of the contact points of the last step: by (p, q), penetration and slip
 /// in the bases of the points.
@@ -141,16 +37,22 @@ pub(super) struct Multiplied {
     /// ω of the contact points, and the branches on which they are taken.
     areas: Vec<f64>,
     branches: Vec<[bool; 2]>,
+    /// The multipliers of the equations of driven contacts, and of the balances of foundations, per contact.
+    driven: Vec<f64>,
+    foundations: Vec<f64>,
+    /// The weights of the depths of wear at the contact points.
+    wear: Vec<f64>,
 }
 
 /// A step, linearised.
-pub(super) struct LinearStep<'a> {
+pub(super) struct LinearStep<'a, T> {
     pub base: &'a ProblemInstance,
     pub solved: SolvedStep<'a>,
     pub points: &'a [LinearPoint],
+    pub driven: &'a DrivenStep<T>,
 }
 
-impl LinearStep<'_> {
+impl LinearStep<'_, Transposed> {
     /// Makes the weights of the state at the end of the step those of the state at its start. `before` holds weights of
     /// the state at its start that a later step had, and then those of the state one step before.
     pub fn back(
@@ -162,6 +64,11 @@ impl LinearStep<'_> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
         let failed = |part| move |source| GradientError::Linear { step: n, part, source };
         let mut after = weights.clone();
+        // At points of pairs the depth is that of the vertices, and what comes off adds to it.
+        base.step(n, solved.old, |step| {
+            add_lists(&mut after.depths, 1.0, &seen_transposed(step, &after.wear));
+            after.wear = of_pairs_or(step, &grown_transposed(step, &after.depths), &after.wear);
+        });
         if factors.rule.is_steady() {
             after.w.fill(0.0);
         }
@@ -171,36 +78,22 @@ impl LinearStep<'_> {
         // θ̇ = (θ₁ − θ₀)/k = (θ_ϑ − θ₀)/(ϑk).
         let of_rate = share / factors.rule.k;
         of_heat.iter_mut().zip(&after.theta_rate).for_each(|(of, rate)| *of += of_rate * rate);
-        let mut heat = factors.heat(base, solved, self.solved.flux, &of_heat).map_err(failed("heat"))?;
+        let foundation: Vec<f64> = after.foundation.iter().map(|theta| share * theta).collect();
+        let mut heat = factors.heat(base, solved, (&of_heat, &foundation)).map_err(failed("heat"))?;
         if factors.is_coupled {
             let y = self.coupled_back(factors, (&after, direct), &heat[0]).map_err(failed("the coupling"))?;
             let of = self.mechanics_back(factors, Some((&after, direct)), &y).map_err(failed("mechanics"))?;
             let more = base.step(n, solved.old, |step| of_temperature(step, factors, &of));
             of_heat.iter_mut().zip(&more).for_each(|(of, more)| *of += more);
-            heat = factors.heat(base, solved, self.solved.flux, &of_heat).map_err(failed("heat"))?;
+            heat = factors.heat(base, solved, (&of_heat, &foundation)).map_err(failed("heat"))?;
         }
         let of = self.mechanics_back(factors, Some((&after, direct)), &heat[0]).map_err(failed("mechanics"))?;
         let areas: Vec<f64> =
             base.step(n, solved.old, |step| step.boundary.points.iter().map(|point| point.weight).collect());
+        let wear = std::mem::take(&mut weights.wear);
         *weights = base.step(n, solved.old, |step| {
-            let mut bar = after.clone();
-            let mut start = self.onto_start(step, factors, &mut bar, &heat, &of);
-            let later = before.take();
-            let [_, of_start, of_before] = stored(step, factors, &heat[0]);
-            add_to(&mut start.theta, of_start.as_deref());
+            let mut start = self.start(step, factors, (&after, before), (&heat, &of));
             start.theta.iter_mut().zip(&after.theta_rate).for_each(|(theta, rate)| *theta -= of_rate * rate);
-            match step.rule.start {
-                Start::TwoStates => {
-                    start.add_bar(4.0 / 3.0, &bar);
-                    let earlier = before.insert(StateVector::zero(solved.old));
-                    earlier.add_bar(-1.0 / 3.0, &bar);
-                    add_to(&mut earlier.theta, of_before.as_deref());
-                }
-                Start::State | Start::Admissible => start.add_bar(1.0, &bar),
-            }
-            if let Some(later) = later {
-                start.add_bar(1.0, &later);
-            }
             start
         });
         let branches = self.points.iter().map(|point| point.branch).collect();
@@ -209,7 +102,37 @@ impl LinearStep<'_> {
             if values.is_empty() { Vec::new() } else { boundary.restricted(components, values) }
         };
         let on_contact = [restricted(&of.transposed.y, base.discrete.v.components), restricted(&heat[0], 1)];
-        Ok(Multiplied { transposed: of.transposed, heat, on_contact, after, areas, branches })
+        let foundations = base.step(n, solved.old, |step| self.foundations_back(step, &after, &heat[0]));
+        let (transposed, driven) = (of.transposed, of.driven);
+        Ok(Multiplied { transposed, heat, after, on_contact, areas, branches, driven, foundations, wear })
+    }
+
+    /// The weights of the state at the start of the step; `before` holds those that a later step had, and then those of
+    /// the state one step before.
+    fn start(
+        &self,
+        step: &Step,
+        factors: &StepFactors,
+        (after, before): (&StateVector, &mut Option<StateVector>),
+        (heat, of): (&[Vec<f64>; 2], &MechanicsBack),
+    ) -> StateVector {
+        let (mut bar, later) = (after.clone(), before.take());
+        let mut start = self.onto_start(step, factors, &mut bar, heat, of);
+        let [_, of_start, of_before] = stored(step, factors, &heat[0]);
+        add_to(&mut start.theta, of_start.as_deref());
+        match step.rule.start {
+            Start::TwoStates => {
+                start.add_bar(4.0 / 3.0, &bar);
+                let earlier = before.insert(StateVector::zero(step.old));
+                earlier.add_bar(-1.0 / 3.0, &bar);
+                add_to(&mut earlier.theta, of_before.as_deref());
+            }
+            Start::State | Start::Admissible => start.add_bar(1.0, &bar),
+        }
+        if let Some(later) = later {
+            start.add_bar(1.0, &later);
+        }
+        start
     }
 
     /// The multipliers y of (4.2) if both half-steps hold at once: y = y₀ + T y, with `first` those of the temperature
@@ -224,7 +147,7 @@ impl LinearStep<'_> {
         let mut through = |weights: Option<EndWeights>, y: &[f64]| {
             let of = self.mechanics_back(factors, weights, y)?;
             let right = self.base.step(n, old, |step| of_temperature(step, factors, &of));
-            let [more, _] = factors.heat(self.base, &self.solved, self.solved.flux, &right)?;
+            let [more, _] = factors.heat(self.base, &self.solved, (&right, &[]))?;
             Ok::<Vec<f64>, SolveError>(more)
         };
         let of_mechanics = through(Some(weights), &zeros(first.len()))?;
@@ -256,29 +179,82 @@ impl LinearStep<'_> {
             let heating = base.discrete.e.apply_transposed(heat);
             right.iter_mut().zip(&heating).for_each(|(right, more)| *right += factors.rule.gamma * more);
         }
-        let transposed = factors.mechanics(base, solved, self.points, (&right, &force))?;
+        let mut transposed = factors.mechanics(base, solved, self.points, (&right, &force))?;
+        let ends = self.ends(&after, &inputs, factors.rule.k);
+        let eta = base.step(n, solved.old, |step| self.driven.add(step, self.points, &ends, &mut transposed));
         let of_point = |(i, point): (usize, &LinearPoint)| {
             let area = base.discrete.boundary.points.get(i).map_or(0.0, |point| point.weight);
             let [a, b, c] = transposed.points[i].map(|mu| 0.0 - area * mu);
             let all = point.back(&[a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0]);
-            [all[6] + inputs[i][6], all[7] + inputs[i][7]]
+            std::array::from_fn(|k| all[k] + inputs[i][k])
         };
-        let known = self.points.iter().enumerate().map(of_point).collect();
-        Ok(MechanicsBack { transposed, known })
+        let known: Vec<[f64; INPUTS]> = self.points.iter().enumerate().map(of_point).collect();
+        let mut driven = zeros(after.advance.len());
+        for (drive, eta) in self.driven.drives.iter().zip(eta) {
+            driven[drive.contact] = eta;
+        }
+        let advance =
+            base.step(n, solved.old, |step| self.advance_back(step, (&transposed, &known), (&after, &driven)));
+        Ok(MechanicsBack { transposed, known: known.iter().map(|all| [all[6], all[7]]).collect(), driven, advance })
+    }
+
+    /// The weights of δ of each contact at the end of the step, by the outputs of the points and by what follows.
+    fn ends(&self, after: &StateVector, inputs: &[[f64; INPUTS]], k: f64) -> Vec<f64> {
+        let rates = after.advance_rate.iter().map(|rate| rate / k);
+        let mut ends: Vec<f64> = after.advance.iter().zip(rates).map(|(end, rate)| end + rate).collect();
+        for (point, inputs) in self.points.iter().zip(inputs) {
+            let more = dot(&point.advance.at_end(), inputs);
+            ends.get_mut(point.contact).into_iter().for_each(|end| *end += more);
+        }
+        ends
+    }
+
+    /// The weights of δ and of its rate at the start of the step, per contact; `known` are the weights of the inputs of
+    /// the points by equations and outputs. A contact that nothing drives ends the step with the δ that it starts with.
+    fn advance_back(
+        &self,
+        step: &Step,
+        (transposed, known): (&Transposed, &[[f64; INPUTS]]),
+        (after, driven): (&StateVector, &[f64]),
+    ) -> [Vec<f64>; 2] {
+        let [mut start, mut rates] = [zeros(driven.len()), zeros(driven.len())];
+        if !is_moved(step.problem) {
+            return [after.advance.clone(), rates];
+        }
+        for contact in 0..driven.len() {
+            let sum = |of: &dyn Fn(&LinearPoint) -> [f64; INPUTS]| -> f64 {
+                let own = self.points.iter().zip(known).filter(|(point, _)| point.contact == contact);
+                own.map(|(point, known)| dot(&of(point), known)).sum()
+            };
+            start[contact] = sum(&|point| point.advance.at_start());
+            if let Some(drive) = self.driven.drives.iter().find(|drive| drive.contact == contact) {
+                let [by_length, by_rate] = drive.inertia.map(|inertia| inertia * driven[contact]);
+                start[contact] += by_length - after.advance_rate[contact] / step.rule.k;
+                rates[contact] = by_rate;
+            } else {
+                let turned = dot(&turned(step, self.points, contact), &transposed.y);
+                start[contact] += after.advance[contact] + sum(&|point| point.advance.at_end()) - turned;
+            }
+        }
+        [start, rates]
     }
 
     /// The derivatives by (p, q), penetration, slip, wear and penetration at the time of the equations of each point of
     /// what follows from them in the step.
     fn outputs(&self, after: &StateVector, heat: &[f64]) -> Vec<[f64; 8]> {
         self.base.step(self.solved.n, self.solved.old, |step| {
-            let seen = if heat.is_empty() { vec![[0.0; 2]; self.points.len()] } else { sides_of(step, heat) };
+            let seen = if heat.is_empty() {
+                vec![[0.0; 2]; self.points.len()]
+            } else {
+                both_sides(step, heat, &self.foundations_back(step, after, heat))
+            };
             let of = |(i, point): (usize, &LinearPoint)| {
                 let ([_, q1, q2], [s1, s2], work) = (point.force, point.slip, point.rubbing * after.work[i]);
                 let mut all = [0.0, work * s1, work * s2, 0.0, work * q1, work * q2, after.wear[i], 0.0];
                 let (Some(flux), Some(at)) = (self.solved.flux.get(i), step.boundary.points.get(i)) else { return all };
                 let [own, other] = seen[i].map(|seen| 0.0 - at.weight * seen);
                 let through = own + other;
-                let rubs = step.contacts.get(at.contact).is_some_and(crate::contact::Contact::rubs);
+                let rubs = step.contacts.get(at.contact).is_some_and(takes_friction);
                 let power = through * flux.by_friction_power + if rubs { other } else { 0.0 };
                 let speed = s1.hypot(s2);
                 let along = if speed > 0.0 { through * flux.by_slip_speed / speed } else { 0.0 };
@@ -297,6 +273,16 @@ impl LinearStep<'_> {
             };
             self.points.iter().enumerate().map(of).collect()
         })
+    }
+
+    /// The multipliers of the balances of foundations with a heat capacity, per contact.
+    fn foundations_back(&self, step: &Step, after: &StateVector, heat: &[f64]) -> Vec<f64> {
+        if heat.is_empty() {
+            return zeros(after.foundation.len());
+        }
+        let share = step.rule.level.recip();
+        let weights: Vec<f64> = after.foundation.iter().map(|theta| share * theta).collect();
+        multipliers(step, self.solved.flux, &weights, heat)
     }
 
     /// The right-hand side of the transposed mechanical half-step.
@@ -332,17 +318,22 @@ impl LinearStep<'_> {
         of: &MechanicsBack,
     ) -> StateVector {
         let (discrete, rule) = (step.discrete, step.rule);
-        let MechanicsBack { transposed: found, known } = of;
+        let MechanicsBack { transposed: found, known, advance: [advance, advance_rate], .. } = of;
         let onto = |of: &mut [f64], more: &[f64], factor: f64| {
             of.iter_mut().zip(more).for_each(|(of, more)| *of += factor * more);
         };
-        let (wear, work) = (weights.wear.clone(), weights.work.clone());
-        let mut start = StateVector { wear, work, ..StateVector::zero(step.old) };
+        let (wear, work) = (of_pairs_or(step, &zeros(weights.wear.len()), &weights.wear), weights.work.clone());
+        let (depths, advance, advance_rate) = (weights.depths.clone(), advance.clone(), advance_rate.clone());
+        let mut start = StateVector { wear, work, advance, advance_rate, depths, ..StateVector::zero(step.old) };
         // The share of the values at the start in those at the end, 1 − 1/ϑ.
         let kept_of = 1.0 - rule.level.recip();
         let has_heat = step.problem.physics.has_heat();
         weights.theta.iter_mut().for_each(|theta| *theta *= if has_heat { kept_of } else { 0.0 });
         if has_heat {
+            let eta = self.foundations_back(step, weights, heat);
+            for ((theta, of), eta) in weights.foundation.iter_mut().zip(lumped(step)).zip(eta) {
+                *theta = kept_of * *theta + of.map_or(0.0, |of| of.storage * eta);
+            }
             add_to(&mut weights.theta, stored(step, factors, heat)[0].as_deref());
             // A prescribed temperature is taken between that at the start and the datum.
             onto(&mut start.theta, held, 1.0 - rule.level);
@@ -373,11 +364,17 @@ impl LinearStep<'_> {
                 onto(&mut start.theta_rate, &driving, ahead(step));
             }
         }
-        for (wear, [of, _]) in start.wear.iter_mut().zip(known) {
-            *wear -= of;
-        }
+        open(step, known, &mut start);
         start
     }
+}
+
+/// Takes the weights of ū_ν − g at the points, which the depths of wear diminish, from those of the state at the start.
+fn open(step: &Step, known: &[[f64; 2]], start: &mut StateVector) {
+    let opened: Vec<f64> = known.iter().map(|[of, _]| *of).collect();
+    add_lists(&mut start.depths, -1.0, &seen_transposed(step, &opened));
+    let of_foundations = of_pairs_or(step, &zeros(opened.len()), &opened);
+    start.wear.iter_mut().zip(&of_foundations).for_each(|(wear, of)| *wear -= of);
 }
 
 /// Weights of the state at the end of a step, and of the contact points there.
@@ -388,6 +385,9 @@ struct MechanicsBack {
     transposed: Transposed,
     /// The weights of ū_ν − g and of the temperature at each point.
     known: Vec<[f64; 2]>,
+    /// Per contact the multipliers of the equations of driven ones, and the weights of δ and of its rate at the start.
+    driven: Vec<f64>,
+    advance: [Vec<f64>; 2],
 }
 
 /// The weights of the temperature that drives mechanics: in m, in the laws of the bodies and in those of contact.
@@ -453,8 +453,8 @@ impl Multiplied {
     pub fn size(&self, of: &StepResidual) -> f64 {
         let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a * b).abs()).sum::<f64>();
-        let Multiplied { transposed, heat: [heat, held], after, areas, .. } = self;
-        let traction = of.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let Multiplied { transposed, heat: [heat, held], after, areas, driven, .. } = self;
+        let traction = largest_traction(&of.states);
         let mu = transposed.points.iter().zip(areas).map(|(mu, area)| area * sum(mu)).sum::<f64>();
         of.sizes[0] * sum(&transposed.y)
             + of.sizes[1] * sum(heat)
@@ -463,6 +463,8 @@ impl Multiplied {
             + product(held, &of.body.temperatures)
             + product(&after.u, &of.body.u)
             + product(&after.work, &of.work)
+            + product(driven, &of.driving)
+            + product(&self.foundations, &of.warming)
     }
 
     /// The derivative and the kink of the sum of all equations but those of the contact points, and of what follows
@@ -476,8 +478,10 @@ impl Multiplied {
         take(-1.0, stencil::product(h, y, all.map(|of| &of.exerted[..])));
         take(-1.0, stencil::product(h, y_heat, all.map(|of| &of.passed[..])));
         take(1.0, stencil::product(h, &after.work, all.map(|of| &of.work[..])));
-        let worn = all.map(|residual| residual.points.iter().map(|point| point.worn).collect::<Vec<f64>>());
-        take(1.0, stencil::product(h, &after.wear, worn.each_ref().map(|worn| &worn[..])));
+        take(-1.0, stencil::product(h, &self.driven, all.map(|of| &of.lacking[..])));
+        take(-1.0, stencil::product(h, &self.foundations, all.map(|of| &of.missing[..])));
+        take(1.0, stencil::product(h, &self.wear, all.map(|of| &of.worn[..])));
+        take(1.0, stencil::product(h, &after.depths.concat(), all.map(|of| &of.grown[..])));
         if around.have_same_body() {
             return sum;
         }

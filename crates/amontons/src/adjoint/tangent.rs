@@ -2,16 +2,22 @@
 
 use std::borrow::Cow;
 
-use super::bordered::{Bordered, BorderedPoint, BorderedRight, IDENTITY, bears, jump};
+use super::balances::largest_traction;
+use super::bordered::{Bordered, BorderedPoint, BorderedRight, IDENTITY, Pushed, bears, jump};
+use super::driven::{LinearDrive, Shifted, turned};
 use super::error::GradientError;
 use super::factors::{BodySlopes, StepFactors, coupled};
 use super::instance::{BodyResidual, ProblemInstance, SolvedStep, StepResidual};
+use super::lumped::{both_sides, sides_of, takes_friction, warmed};
 use super::points::{INPUTS, LinearPoint, OUTPUTS};
 use super::stencil;
-use super::sweep::{Around, LinearStep, OfPoints, StateVector, ahead};
-use super::transpose::{heat_tangent, onto_sides, sides_of};
-use crate::contact::{Contact, Flux, PointOnBoundary};
+use super::sweep::{Around, LinearStep, OfPoints, ahead};
+use super::transpose::{heat_tangent, onto_sides};
+use super::vector::StateVector;
+use super::worn::{add_lists, grown, of_pairs_or, seen};
+use crate::contact::{Flux, PointOnBoundary};
 use crate::discretization::Discretization;
+use crate::equation::heat::lumped;
 use crate::equation::system::Step;
 use crate::inclusion::Local;
 use crate::linalg::{BlockMatrix, SolveError, max_abs, zeros};
@@ -30,6 +36,10 @@ pub(super) struct ResidualSlope {
     theta_rate: Vec<f64>,
     u: Vec<f64>,
     branches: Vec<Vec<f64>>,
+    lacking: Vec<f64>,
+    missing: Vec<f64>,
+    /// Of the depths of the vertices of all sides, one side after the other.
+    grown: Vec<f64>,
 }
 
 impl ResidualSlope {
@@ -41,7 +51,7 @@ impl ResidualSlope {
         points: &[LinearPoint],
     ) -> Option<(ResidualSlope, Option<ResidualSlope>)> {
         let here = around.all[2];
-        let traction = here.states.iter().fold(0.0, |most: f64, state| most.max(state.pressure.abs()).max(state.bound));
+        let traction = largest_traction(&here.states);
         let lists = |of: &dyn Fn(&StepResidual) -> &[f64], size: f64| {
             stencil::of_lists(around.h, around.all.map(of), size.max(max_abs(of(here))))
         };
@@ -61,9 +71,9 @@ impl ResidualSlope {
         let [rates, temperatures] = [over(&|r| &r.rates, 0.0), over(&|r| &r.temperatures, 0.0)];
         let [u, rate] = [over(&|r| &r.u, 0.0), over(&|r| &r.theta_rate, 0.0)];
         let work = lists(&|r| &r.work, 0.0);
-        let worn: Vec<Vec<f64>> =
-            around.all.iter().map(|r| r.points.iter().map(|point| point.worn).collect()).collect();
-        let worn = stencil::of_lists(around.h, std::array::from_fn(|j| &worn[j][..]), max_abs(&worn[2]));
+        let lacking = lists(&|r| &r.lacking, max_abs(&here.driving));
+        let missing = lists(&|r| &r.missing, max_abs(&here.warming));
+        let [worn, grown] = [lists(&|r| &r.worn, 0.0), lists(&|r| &r.grown, 0.0)];
         let branches: Vec<[Vec<f64>; 2]> =
             (0..here.body.branches.len()).map(|b| over(&|r| &r.branches[b], 0.0)).collect();
         let slopes: Vec<[Local; 2]> =
@@ -83,6 +93,9 @@ impl ResidualSlope {
             work: work[k].clone(),
             theta_rate: rate[k].clone(),
             u: u[k].clone(),
+            lacking: lacking[k].clone(),
+            missing: missing[k].clone(),
+            grown: grown[k].clone(),
             branches: branches.iter().map(|both| both[k].clone()).collect(),
         };
         Some((made(0), Some(made(1)).filter(|kink| !kink.is_zero())))
@@ -100,8 +113,12 @@ impl ResidualSlope {
     }
 
     fn numbers(&self) -> impl Iterator<Item = &f64> {
-        let ResidualSlope { mechanics, heat, rates, temperatures, defects, worn, work, theta_rate, u, branches } = self;
-        let lists = [mechanics, heat, rates, temperatures, worn, work, theta_rate, u].into_iter().chain(branches);
+        let ResidualSlope {
+            mechanics, heat, rates, temperatures, defects, worn, work, theta_rate, u, branches, ..
+        } = self;
+        let ResidualSlope { lacking, missing, grown, .. } = self;
+        let lists = [mechanics, heat, rates, temperatures, worn, work, theta_rate, u, lacking, missing, grown];
+        let lists = lists.into_iter().chain(branches);
         lists.flatten().chain(defects.iter().flatten())
     }
 
@@ -123,6 +140,9 @@ impl ResidualSlope {
             work: none(&of.work),
             theta_rate: none(&of.theta_rate),
             u: none(&of.u),
+            lacking: none(&of.lacking),
+            missing: none(&of.missing),
+            grown: none(&of.grown),
             branches: of.branches.iter().map(|branch| none(branch)).collect(),
         }
     }
@@ -132,7 +152,7 @@ impl ResidualSlope {
 /// penetration and slip in the bases of the points.
 pub(super) type Advanced = (StateVector, OfPoints);
 
-impl LinearStep<'_> {
+impl LinearStep<'_, Shifted> {
     /// The derivative of the state at the end of the step by that at its start and by the equations:
     /// J dz = −∂R/∂z₀ dz₀ − ∂R/∂m.
     pub fn forward(
@@ -153,9 +173,14 @@ impl LinearStep<'_> {
             let ahead = base.step(n, solved.old, ahead);
             start.start.theta.iter().zip(of_rate).map(|(theta, rate)| theta + ahead * rate).collect()
         };
-        let (w, all) = self.mechanics_forth(factors, &start, by, &theta).map_err(failed("mechanics"))?;
+        let MechanicsForth { w, points: all, advance } =
+            self.mechanics_forth(factors, &start, by, &theta).map_err(failed("mechanics"))?;
+        let mut foundation = start.start.foundation.clone();
         let theta = match self.heat_forth(factors, &start, by, (&w, &all)).map_err(failed("heat"))? {
-            Some(at) => start.start.theta.iter().zip(&at).map(|(start, at)| factors.rule.end([*start, *at])).collect(),
+            Some([at, foundations]) => {
+                foundation.iter_mut().zip(&foundations).for_each(|(end, at)| *end = factors.rule.end([*end, *at]));
+                start.start.theta.iter().zip(&at).map(|(start, at)| factors.rule.end([*start, *at])).collect()
+            }
             None if by.temperatures.is_empty() => zeros(start.start.theta.len()),
             None => by.temperatures.clone(),
         };
@@ -164,6 +189,9 @@ impl LinearStep<'_> {
             start.iter().zip(at).map(|(start, at)| rule.end([*start, *at])).collect()
         };
         let mut end = base.step(n, solved.old, |step| self.end(step, &start, by, &all));
+        let advanced = advance.iter().zip(&start.start.advance);
+        end.advance_rate = advanced.map(|(end, start)| (end - start) / rule.k).collect();
+        (end.advance, end.foundation) = (advance, foundation);
         for (i, (branch, of)) in end.branches.iter_mut().zip(&base.discrete.branches).enumerate() {
             let more = at_end(&start.start.branches[i], &of.step(rule, &start.bar.branches[i], &w));
             branch.iter_mut().zip(&more).for_each(|(branch, more)| *branch += more);
@@ -184,9 +212,9 @@ impl LinearStep<'_> {
         start: &Started,
         by: &ResidualSlope,
         theta: &[f64],
-    ) -> Result<(Vec<f64>, Vec<PointChange>), SolveError> {
+    ) -> Result<MechanicsForth, SolveError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
-        let known = base.step(n, solved.old, |step| self.known(step, start, theta));
+        let mut known = base.step(n, solved.old, |step| self.known(step, start, theta));
         let right = base.step(n, solved.old, |step| {
             let mut pushed = self.pushed(step, &factors.slopes, start, by, &known);
             if step.problem.physics.has_heat() {
@@ -195,22 +223,51 @@ impl LinearStep<'_> {
             }
             pushed
         });
-        let (w, forces) = factors.moved(base, solved, self.points, &right)?;
-        let all = base.step(n, solved.old, |step| self.at_points(step, &w, &forces, &known));
-        Ok((w, all))
+        let (mut w, mut forces) = factors.moved(base, solved, self.points, &right)?;
+        let mut advance = start.start.advance.clone();
+        let right = self.driving(start, by);
+        let found = base.step(n, solved.old, |step| self.driven.add(step, &right, (&mut w, &mut forces)));
+        for (drive, found) in self.driven.drives.iter().zip(found) {
+            advance[drive.contact] = found;
+            self.advanced(drive.contact, found, &mut known);
+        }
+        let points = base.step(n, solved.old, |step| self.at_points(step, &w, &forces, &known));
+        Ok(MechanicsForth { w, points, advance })
     }
 
-    /// The heat half-step: the temperature at the time of its equations, or `None` without heat.
+    /// The right-hand sides of the equations of driven contacts.
+    fn driving(&self, &Started { start, .. }: &Started, by: &ResidualSlope) -> Vec<f64> {
+        let of = |drive: &LinearDrive| {
+            let [by_length, by_rate] = drive.inertia;
+            let at = |all: &[f64]| all.get(drive.contact).copied().unwrap_or(0.0);
+            by_length * at(&start.advance) + by_rate * at(&start.advance_rate) - at(&by.lacking)
+        };
+        self.driven.drives.iter().map(of).collect()
+    }
+
+    /// Adds the changes of the inputs of the points with a change of δ of their contact at the end of the step.
+    fn advanced(&self, contact: usize, change: f64, known: &mut [[f64; INPUTS]]) {
+        let own = self.points.iter().zip(known).filter(|(point, _)| point.contact == contact);
+        own.for_each(|(point, known)| add_product(change, &point.advance.at_end(), known));
+    }
+
+    /// True if a force drives a contact in the step. Otherwise it ends the step with the δ that it starts with.
+    fn drives(&self, contact: usize) -> bool {
+        self.driven.drives.iter().any(|drive| drive.contact == contact)
+    }
+
+    /// The heat half-step: the temperatures of the nodes and of the foundations of each contact at the time of its
+    /// equations, or `None` without heat.
     fn heat_forth(
         &self,
         factors: &mut StepFactors,
         start: &Started,
         by: &ResidualSlope,
         (w, all): (&[f64], &[PointChange]),
-    ) -> Result<Option<Vec<f64>>, SolveError> {
+    ) -> Result<Option<[Vec<f64>; 2]>, SolveError> {
         let (base, solved, n) = (self.base, &self.solved, self.solved.n);
         let right = base.step(n, solved.old, |step| self.warmed(step, factors, start, by, (w, all)));
-        right.map(|right| factors.warmed(base, solved, self.solved.flux, &right)).transpose()
+        right.map(|right| factors.warmed(base, solved, &right)).transpose()
     }
 
     /// The temperature at the time of the equations if both half-steps hold at once.
@@ -221,8 +278,9 @@ impl LinearStep<'_> {
         by: &ResidualSlope,
     ) -> Result<Vec<f64>, SolveError> {
         let mut through = |start: &Started, by: &ResidualSlope, theta: &[f64]| {
-            let (w, all) = self.mechanics_forth(factors, start, by, theta)?;
-            Ok::<Vec<f64>, SolveError>(self.heat_forth(factors, start, by, (&w, &all))?.unwrap_or_default())
+            let MechanicsForth { w, points, .. } = self.mechanics_forth(factors, start, by, theta)?;
+            let [theta, _] = self.heat_forth(factors, start, by, (&w, &points))?.unwrap_or_default();
+            Ok::<Vec<f64>, SolveError>(theta)
         };
         let right = through(start, by, &zeros(start.start.theta.len()))?;
         let (none, same) = (StateVector::zero(self.solved.old), ResidualSlope::zero(by));
@@ -230,18 +288,27 @@ impl LinearStep<'_> {
         coupled(&right, |theta| through(&none, &same, theta))
     }
 
-    /// The changes of ū_ν − g and of the temperature at each point.
-    fn known(&self, step: &Step, &Started { start, bar, .. }: &Started, theta: &[f64]) -> Vec<[f64; 2]> {
+    /// The changes of the inputs of each point that are known: of ū_ν − g, of the temperature, and what an opposite
+    /// side that has moved adds to the jump of the velocities.
+    fn known(&self, step: &Step, &Started { start, bar, .. }: &Started, theta: &[f64]) -> Vec<[f64; INPUTS]> {
         let sides =
             if step.problem.physics.has_heat() { sides_of(step, theta) } else { vec![[0.0; 2]; self.points.len()] };
+        let worn = of_pairs_or(step, &seen(step, &start.depths), &start.wear);
         let of = |(i, point): (usize, &LinearPoint)| {
             let sign = step.boundary.points.get(i).map_or(1.0, |on| step.contacts[on.contact].sign());
             let [own, other] = sides[i];
             // The laws see the side `on`; the shares of the other side are negative in the jump.
             let temperature = if sign > 0.0 { own } else { 0.0 - other };
-            [jump(step, i, point, &bar.u)[0] - start.wear[i], temperature]
+            let opening = jump(step, i, point, &bar.u)[0] - worn[i];
+            let mut known = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, opening, temperature];
+            add_product(start.advance[point.contact], &point.advance.at_start(), &mut known);
+            known
         };
-        self.points.iter().enumerate().map(of).collect()
+        let mut known: Vec<[f64; INPUTS]> = self.points.iter().enumerate().map(of).collect();
+        for (contact, change) in start.advance.iter().enumerate().filter(|(contact, _)| !self.drives(*contact)) {
+            self.advanced(contact, *change, &mut known);
+        }
+        known
     }
 
     /// The right-hand sides of the mechanical half-step: of (4.1), of contact points, and the prescribed velocities.
@@ -249,9 +316,9 @@ impl LinearStep<'_> {
         &self,
         step: &Step,
         slopes: &BodySlopes,
-        &Started { bar, .. }: &Started,
+        &Started { start, bar, .. }: &Started,
         by: &ResidualSlope,
-        known: &[[f64; 2]],
+        known: &[[f64; INPUTS]],
     ) -> Pushed {
         let (discrete, rule) = (step.discrete, step.rule);
         let mut right = discrete.inertia().1.apply(&bar.w);
@@ -264,8 +331,14 @@ impl LinearStep<'_> {
             take(&branch.force(&branch.kept(rule, z)));
         }
         take(&by.mechanics);
-        let of_point = |((point, defect), [opening, temperature]): ((&LinearPoint, &Local), &[f64; 2])| -> Local {
-            let seen = point.forth(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *opening, *temperature]);
+        for (contact, change) in start.advance.iter().enumerate() {
+            if *change != 0.0 && !self.drives(contact) {
+                let turned = turned(step, self.points, contact);
+                take(&turned.iter().map(|force| change * force).collect::<Vec<f64>>());
+            }
+        }
+        let of_point = |((point, defect), known): ((&LinearPoint, &Local), &[f64; INPUTS])| -> Local {
+            let seen = point.forth(known);
             std::array::from_fn(|a| 0.0 - defect[a] - seen[a])
         };
         let defects = self.points.iter().zip(&by.defects).zip(known).map(of_point).collect();
@@ -274,10 +347,11 @@ impl LinearStep<'_> {
     }
 
     /// The changes of the inputs and outputs of each point with those of w, (p, q) and what is known.
-    fn at_points(&self, step: &Step, w: &[f64], forces: &[Local], known: &[[f64; 2]]) -> Vec<PointChange> {
+    fn at_points(&self, step: &Step, w: &[f64], forces: &[Local], known: &[[f64; INPUTS]]) -> Vec<PointChange> {
         let of = |(i, point): (usize, &LinearPoint)| {
-            let ([v1, v2, v3], [p, q1, q2], [opening, temperature]) = (jump(step, i, point, w), forces[i], known[i]);
-            let input = [v1, v2, v3, p, q1, q2, opening, temperature];
+            let ([v1, v2, v3], [p, q1, q2]) = (jump(step, i, point, w), forces[i]);
+            let mut input = [v1, v2, v3, p, q1, q2, 0.0, 0.0];
+            add_product(1.0, &known[i], &mut input);
             (input, point.forth(&input))
         };
         self.points.iter().enumerate().map(of).collect()
@@ -291,7 +365,7 @@ impl LinearStep<'_> {
         &Started { start, bar, before }: &Started,
         by: &ResidualSlope,
         (w, all): (&[f64], &[PointChange]),
-    ) -> Option<[Vec<f64>; 2]> {
+    ) -> Option<HeatRight> {
         if !step.problem.physics.has_heat() {
             return None;
         }
@@ -305,7 +379,7 @@ impl LinearStep<'_> {
         };
         let heated = discrete.e.apply(&u);
         let mut right: Vec<f64> = stored.iter().zip(heated.iter().zip(&by.heat)).map(|(s, (e, r))| s + e - r).collect();
-        let of = self.points.iter().zip(all).enumerate().map(|(i, (point, (input, output)))| {
+        let of = |(i, (point, (input, output))): (usize, (&LinearPoint, &PointChange))| {
             let (Some(flux), Some(at)) = (self.solved.flux.get(i), step.boundary.points.get(i)) else {
                 return [0.0; 2];
             };
@@ -317,15 +391,22 @@ impl LinearStep<'_> {
                 + flux.by_penetration * output[7]
                 + flux.by_slip_speed * along
                 + flux.by_friction_power * power;
-            let rubs = step.contacts.get(at.contact).is_some_and(Contact::rubs);
+            let rubs = step.contacts.get(at.contact).is_some_and(takes_friction);
             let into = through + if rubs { power } else { 0.0 };
             [0.0 - at.weight * through, 0.0 - at.weight * into]
-        });
-        onto_sides(step, of, &mut right);
+        };
+        let of: Vec<[f64; 2]> = self.points.iter().zip(all).enumerate().map(of).collect();
+        let mut foundation: Vec<f64> = lumped(step).iter().map(|of| of.map_or(0.0, |of| of.storage)).collect();
+        let known = bar.foundation.iter().zip(&by.missing);
+        foundation.iter_mut().zip(known).for_each(|(of, (bar, missing))| *of = *of * bar - missing);
+        for (point, [_, into]) in step.boundary.points.iter().zip(&of) {
+            foundation.get_mut(point.contact).into_iter().for_each(|sum| *sum -= into);
+        }
+        onto_sides(step, of.into_iter(), &mut right);
         // A prescribed temperature is taken between that at the start and the datum.
         let given = by.temperatures.iter().zip(&start.theta);
         let given = given.map(|(by, start)| by + (1.0 - step.rule.level) * start).collect();
-        Some([right, held_values(&discrete.q, given)])
+        Some(HeatRight { right, held: held_values(&discrete.q, given), foundation })
     }
 
     /// The state at the end of the step, but for what the unknowns of the bodies add to u, w, θ and the branches.
@@ -342,16 +423,26 @@ impl LinearStep<'_> {
             w: Vec::new(),
             theta: Vec::new(),
             branches: by.branches.clone(),
-            wear: sum(&start.wear, &by.worn),
+            wear: sum(&of_pairs_or(step, &zeros(start.wear.len()), &start.wear), &by.worn),
+            depths: start.depths.clone(),
             work: sum(&start.work, &by.work),
             theta_rate: Vec::new(),
+            foundation: Vec::new(),
+            advance: Vec::new(),
+            advance_rate: Vec::new(),
         };
+        let mut worn = zeros(end.wear.len());
         for (i, (point, (input, output))) in self.points.iter().zip(all).enumerate() {
             if bears(step, i) {
-                end.wear[i] += output[6];
+                worn[i] = output[6];
                 end.work[i] += point.rubbing * point.power([input[4], input[5]], [output[4], output[5]]);
             }
         }
+        add_lists(&mut end.depths, 1.0, &grown(step, &worn));
+        end.depths.iter_mut().flatten().zip(&by.grown).for_each(|(depth, more)| *depth += more);
+        let depths = seen(step, &end.depths);
+        let more = of_pairs_or(step, &depths, &worn);
+        end.wear.iter_mut().zip(&more).for_each(|(wear, more)| *wear += more);
         end
     }
 }
@@ -367,14 +458,23 @@ struct Started<'a> {
 /// The changes of the inputs and outputs of a contact point.
 type PointChange = ([f64; INPUTS], [f64; OUTPUTS]);
 
-/// The right-hand sides of a mechanical half-step.
-pub(super) struct Pushed {
-    /// Of (4.1) per degree of freedom.
-    pub right: Vec<f64>,
-    /// Of the equations of the contact points.
-    pub defects: Vec<Local>,
-    /// The prescribed velocities; zero where none is prescribed.
-    pub held: Vec<f64>,
+/// The right-hand sides of a heat half-step: of (4.2) per node, of the balance of each foundation, and the prescribed
+/// temperatures.
+pub(super) struct HeatRight {
+    right: Vec<f64>,
+    foundation: Vec<f64>,
+    held: Vec<f64>,
+}
+
+/// The changes of a mechanical half-step: of w, of the inputs and outputs of each point, and of δ of each contact.
+struct MechanicsForth {
+    w: Vec<f64>,
+    points: Vec<PointChange>,
+    advance: Vec<f64>,
+}
+
+fn add_product(factor: f64, from: &[f64; INPUTS], to: &mut [f64; INPUTS]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
 }
 
 /// The components of values along prescribed degrees of freedom; zero along the others.
@@ -385,7 +485,7 @@ fn held_values(space: &Space, mut values: Vec<f64>) -> Vec<f64> {
 
 impl LinearPoint {
     /// The change of the outputs with that of the inputs.
-    fn forth(&self, inputs: &[f64; INPUTS]) -> [f64; OUTPUTS] {
+    pub fn forth(&self, inputs: &[f64; INPUTS]) -> [f64; OUTPUTS] {
         std::array::from_fn(|k| self.by.iter().zip(inputs).map(|(by, input)| by[k] * input).sum())
     }
 
@@ -417,29 +517,34 @@ impl StepFactors {
         Ok((x, forces))
     }
 
-    /// J of the heat half-step: the temperatures of a right-hand side and of prescribed temperatures.
+    /// J of the heat half-step: the temperatures of the nodes, and of the foundations of each contact.
     pub fn warmed(
         &mut self,
         base: &ProblemInstance,
         of: &SolvedStep,
-        flux: &[Flux],
-        [right, held]: &[Vec<f64>; 2],
-    ) -> Result<Vec<f64>, SolveError> {
-        let Some(factored) = &mut self.heat else { return Ok(Vec::new()) };
+        HeatRight { right, held, foundation }: &HeatRight,
+    ) -> Result<[Vec<f64>; 2], SolveError> {
+        let Some(factored) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
+        let flux = of.flux;
         base.step(of.n, of.old, |step| {
-            let tangent = heat_tangent(step, &mut factored.half, of, flux);
+            let tangent = heat_tangent(step, &mut factored.half, of);
             let apply = |matrix: &BlockMatrix, theta: &[f64]| -> Vec<f64> {
-                matrix.apply(theta).iter().zip(passed(step, flux, theta)).map(|(a, b)| a + b).collect()
+                let passed = passed(step, flux, theta, &warmed(step, flux, &[], theta));
+                matrix.apply(theta).iter().zip(passed).map(|(a, b)| a + b).collect()
             };
-            let [theta, _] = factored.solved(&step.discrete.q, &tangent, (held.clone(), right), apply)?;
-            Ok(theta)
+            let none = zeros(right.len());
+            let known = passed(step, flux, &none, &warmed(step, flux, foundation, &none));
+            let right: Vec<f64> = right.iter().zip(&known).map(|(right, known)| right - known).collect();
+            let [theta, _] = factored.solved(&step.discrete.q, &tangent, (held.clone(), &right), apply)?;
+            let foundations = warmed(step, flux, foundation, &theta);
+            Ok([theta, foundations])
         })
     }
 }
 
-/// The derivative of Σ ω Nᵀ q·ν in θ times `theta`.
-fn passed(step: &Step, flux: &[Flux], theta: &[f64]) -> Vec<f64> {
-    let seen = sides_of(step, theta);
+/// The derivative of Σ ω Nᵀ q·ν in θ times `theta`, and in the temperatures of foundations times `foundation`.
+fn passed(step: &Step, flux: &[Flux], theta: &[f64], foundation: &[f64]) -> Vec<f64> {
+    let seen = both_sides(step, theta, foundation);
     let of = |(point, (flux, [own, other])): (&PointOnBoundary, (&Flux, &[f64; 2]))| {
         // The shares of the other side are negative in the jump.
         let change = point.weight * (flux.by_temperature * own - flux.by_foundation * other);

@@ -2,12 +2,15 @@
 
 use super::at_solution;
 use super::bordered::jump;
+use super::driven::{DrivenStep, Shifted};
 use super::factors::StepFactors;
 use super::history::{RunHistory, started};
 use super::instance::{PhasedInstance, SolvedStep, at_level, data, global};
 use super::points::{LinearPoint, linearised};
-use super::sweep::{Around, LinearStep, StateVector};
+use super::sweep::{Around, LinearStep};
 use super::tangent::ResidualSlope;
+use super::transpose::Transposed;
+use super::vector::StateVector;
 use crate::case::{self, Source};
 use crate::equation::system::Step;
 use crate::inclusion::Local;
@@ -86,19 +89,22 @@ fn random_vector(like: &State, seed: u64) -> StateVector {
         branches: like.branches.iter().zip(3..).map(|(branch, i)| numbers(branch.len(), seed + i)).collect(),
         wear: numbers(like.surface.wear.len(), seed + 100),
         work: numbers(like.surface.friction_work.len(), seed + 101),
+        advance: numbers(like.surface.advance.len(), seed + 102),
+        advance_rate: numbers(like.surface.advance_rate.len(), seed + 103),
+        depths: like.surface.worn.depths.iter().zip(300..).map(|(of, i)| numbers(of.len(), seed + i)).collect(),
+        foundation: like
+            .surface
+            .foundation
+            .iter()
+            .zip(numbers(99, seed + 104))
+            .map(|(f, n)| f.map_or(0.0, |_| n))
+            .collect(),
     }
 }
 
 /// The products of two vectors: their sum, and that of their absolute values.
 fn products(a: &StateVector, b: &StateVector) -> [f64; 2] {
-    let all = |v: &StateVector| -> Vec<f64> {
-        [&v.u, &v.w, &v.theta, &v.theta_rate, &v.wear, &v.work]
-            .into_iter()
-            .chain(&v.branches)
-            .flatten()
-            .copied()
-            .collect()
-    };
+    let all = |v: &StateVector| -> Vec<f64> { v.lists().flatten().copied().collect() };
     let (a, b) = (all(a), all(b));
     [dot(&a, &b), a.iter().zip(&b).map(|(a, b)| (a * b).abs()).sum()]
 }
@@ -111,13 +117,53 @@ const TABLES: [(&str, &str); 4] = [
     ("prony = [{ ratio = 0.3, time = 0.4 }]\n", ""),
 ];
 
-/// ⟨L v, w⟩ = ⟨v, Lᵀ w⟩ with L the derivative of the state at the end of a step by that at its start, with heat, wear,
-/// stress relaxation and both sides of a pair.
-#[test]
-fn a_step_backward_is_the_transposed_of_a_step_forward() {
+const SIGNORINI: &str = "{ law = \"signorini\" }";
+const LAYER: &str = "{ law = \"compliance\", stiffness = 900.0 }";
+
+/// Cases with foundations that warm, obstacles under a load, tightened sections and wear of pairs, made from a warm
+/// block on a foundation, one that is pressed on an obstacle, and warm pairs.
+fn of_contact([warm, block, pair, tables]: [&str; 4]) -> Vec<(&'static str, String)> {
+    let contact = |text: &str, more: &str| text.replacen("[contact]\n", &format!("[contact]\n{more}\n"), 1);
+    let warming = contact(warm, "foundation = { heat_capacity = 0.2, exchange = 0.3, surroundings = 2.0 }");
+    let obstacle = "obstacle = { shape = \"sphere\", center = [1.1, -4.0], radius = 4.0, load = { force = 0.3, \
+                    direction = [0.2, 1], mass = 2.0 } }";
+    let pressed = contact(block, obstacle);
+    let light = contact(&warming.replace("gap = -0.002\n", ""), &obstacle.replace(", mass = 2.0", ""));
+    let worn = |text: &str| contact(text, "wear = { law = \"archard\", coefficient = 0.02, fraction = 0.3 }");
+    let tightened = pair.replace(SIGNORINI, "{ law = \"bilateral\" }");
+    let friction = "{ law = \"coulomb\", coefficient = 0.3 }";
+    let tightened =
+        contact(&tightened.replace(friction, "{ law = \"stick\" }"), "preload = { force = 0.4, until = 0.6 }");
+    vec![
+        ("warming", warming.clone()),
+        ("warming at once", at_once(&warming)),
+        ("warming theta", with(&warming, "\"theta\"\ntheta = 0.6")),
+        ("warming bdf2", with(&warming, "\"bdf2\"")),
+        ("pressed", pressed.clone()),
+        ("pressed on a layer", pressed.replace(SIGNORINI, LAYER)),
+        ("pressed at once", at_once(&light)),
+        ("tightened", tightened),
+        ("worn", worn(pair)),
+        ("worn at once", at_once(&worn(tables))),
+    ]
+}
+
+/// A text with a scheme in time.
+fn with(text: &str, scheme: &str) -> String {
+    text.replace("[time]", &format!("[time]\nscheme = {scheme}"))
+}
+
+/// A text whose half-steps hold at once.
+fn at_once(text: &str) -> String {
+    format!("{text}\n[scheme]\ncoupling = \"monolithic\"\n")
+}
+
+/// Cases with heat, wear, stress relaxation and both sides of a pair, in all schemes.
+fn cases() -> Vec<(&'static str, String)> {
     let pair = include_str!("../../tests/reference/gradients/pair.toml");
     let warm = include_str!("../../tests/reference/gradients/thermal-pressure.toml");
     let wear = include_str!("../../tests/reference/gradients/wear.toml");
+    let block = include_str!("../../tests/reference/gradients/block-stick-slip.toml");
     let warm_pair = pair
         .replace(
             "density = 1.0",
@@ -129,18 +175,29 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
         )
         .replace("viscosity = {", "prony = [{ ratio = 0.3, time = 0.4 }]\nviscosity = {")
         .replace("displacement = [0, 0]", "displacement = [0, 0]\ntemperature = 1.0");
-    let with = |text: &str, scheme: &str| text.replace("[time]", &format!("[time]\nscheme = {scheme}"));
-    let (theta, bdf2) = (with(warm, "\"theta\"\ntheta = 0.6"), with(&warm_pair, "\"bdf2\""));
     let tables = TABLES.iter().fold(warm_pair.clone(), |text, (from, to)| text.replace(from, to));
-    let at_once = |text: &str| format!("{text}\n[scheme]\ncoupling = \"monolithic\"\n");
-    let (coupled, warm_theta) = (at_once(&tables), at_once(&with(&tables, "\"theta\"\ntheta = 0.6")));
-    let warm_bdf2 = with(&tables, "\"bdf2\"");
-    let cases = [("heat", warm), ("wear", wear), ("pair", &warm_pair), ("theta", &theta), ("bdf2", &bdf2)];
-    let ahead = with(&tables, "\"theta\"\ntheta = 0.6") + "\n[scheme]\ncoupling = \"extrapolated\"\n";
-    let of_tables = [("coupled", &*coupled), ("ahead", &ahead), ("warm theta", &warm_theta), ("warm bdf2", &warm_bdf2)];
-    let cases = cases.into_iter().chain(of_tables);
-    for (name, text) in cases {
-        let case = case::parse(&Source::new(name, text), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let theta = "\"theta\"\ntheta = 0.6";
+    let mut cases = of_contact([warm, block, &warm_pair, &tables]);
+    cases.extend([
+        ("heat", warm.to_owned()),
+        ("wear", wear.to_owned()),
+        ("theta", with(warm, theta)),
+        ("bdf2", with(&warm_pair, "\"bdf2\"")),
+        ("coupled", at_once(&tables)),
+        ("ahead", with(&tables, theta) + "\n[scheme]\ncoupling = \"extrapolated\"\n"),
+        ("warm theta", at_once(&with(&tables, theta))),
+        ("warm bdf2", with(&tables, "\"bdf2\"")),
+        ("pair", warm_pair),
+    ]);
+    cases
+}
+
+/// ⟨L v, w⟩ = ⟨v, Lᵀ w⟩ with L the derivative of the state at the end of a step by that at its start, with heat, wear,
+/// stress relaxation and both sides of a pair.
+#[test]
+fn a_step_backward_is_the_transposed_of_a_step_forward() {
+    for (name, text) in cases() {
+        let case = case::parse(&Source::new(name, &*text), &[]).unwrap_or_else(|error| panic!("{error}"));
         let phased = PhasedInstance::new(&case.problem);
         let base = &phased.first;
         let mut history = RunHistory::new(&phased, usize::MAX, &|| true).expect("a run");
@@ -156,12 +213,15 @@ fn a_step_backward_is_the_transposed_of_a_step_forward() {
             let around = Around { h: 1.0, all: [&here; 5] };
             let (slope, kink) = ResidualSlope::of(&around, &base.discrete, &points).expect("one branch");
             assert!(kink.is_none() && !forces.is_empty());
-            let step = LinearStep { base, solved, points: &points };
+            let forth = &DrivenStep::<Shifted>::forth(&mut factors, base, &solved, &points).expect("solutions");
+            let back = &DrivenStep::<Transposed>::back(&mut factors, base, &solved, &points).expect("solutions");
+            let step = LinearStep { base, solved, points: &points, driven: forth };
+            let backward = LinearStep { base, solved, points: &points, driven: back };
             let [v, before] = [7, 507].map(|seed| random_vector(old, seed + n as u64));
             let weights = random_vector(new, 1007 + n as u64);
             let moved = step.forward(&mut factors, (&v, Some(&before)), &slope).expect("a solution").0;
             let (mut back, mut earlier) = (weights.clone(), None);
-            step.back(&mut factors, (&mut back, &mut earlier), None).expect("a solution");
+            backward.back(&mut factors, (&mut back, &mut earlier), None).expect("a solution");
             let ([left, size], [right, other]) = (products(&moved, &weights), products(&v, &back));
             let [more, added] = earlier.map_or([0.0; 2], |earlier| products(&before, &earlier));
             let (right, size) = (right + more, size.max(other).max(added));

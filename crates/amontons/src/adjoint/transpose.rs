@@ -1,11 +1,14 @@
 //! The transposed systems of a step.
 
 use super::bordered::{Bordered, BorderedPoint, BorderedRight, IDENTITY, transposed};
+use super::exerted::heat_step;
 use super::factors::StepFactors;
-use super::instance::{ProblemInstance, SolvedStep, heat_step};
+use super::instance::{ProblemInstance, SolvedStep};
+use super::lumped::{both_sides, multipliers};
 use super::points::LinearPoint;
 use crate::contact::Flux;
 use crate::equation::foundation::temperatures;
+use crate::equation::heat::lumped;
 use crate::equation::system::{HalfStep, Step};
 use crate::inclusion::{Exchange, HeatStep, Local};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, zeros};
@@ -47,22 +50,27 @@ impl StepFactors {
     }
 
     /// Jᵀ of the heat half-step: y with y = 0 where θ is prescribed, and the multipliers of prescribed temperatures.
+    /// `foundation` are the weights of the temperatures of foundations.
     pub fn heat(
         &mut self,
         base: &ProblemInstance,
         of: &SolvedStep,
-        flux: &[Flux],
-        right: &[f64],
+        (right, foundation): (&[f64], &[f64]),
     ) -> Result<[Vec<f64>; 2], SolveError> {
         let Some(factored) = &mut self.heat else { return Ok([Vec::new(), Vec::new()]) };
+        let flux = of.flux;
         base.step(of.n, of.old, |step| {
-            let tangent = heat_tangent(step, &mut factored.half, of, flux).transposed();
+            let tangent = heat_tangent(step, &mut factored.half, of).transposed();
             let is_symmetric = factored.is_symmetric;
             let apply = |matrix: &BlockMatrix, y: &[f64]| -> Vec<f64> {
                 let product = if is_symmetric { matrix.apply(y) } else { matrix.apply_transposed(y) };
-                product.iter().zip(exchanged(step, flux, y)).map(|(a, b)| a + b).collect()
+                let eta = multipliers(step, flux, &[], y);
+                product.iter().zip(exchanged(step, flux, y, &eta)).map(|(a, b)| a + b).collect()
             };
-            let [y, left] = factored.solved(&step.discrete.q, &tangent, (zeros(right.len()), right), apply)?;
+            let none = zeros(right.len());
+            let known = exchanged(step, flux, &none, &multipliers(step, flux, foundation, &none));
+            let right: Vec<f64> = right.iter().zip(&known).map(|(right, known)| right - known).collect();
+            let [y, left] = factored.solved(&step.discrete.q, &tangent, (none, &right), apply)?;
             Ok([y, held_forces(&step.discrete.q, left)])
         })
     }
@@ -74,20 +82,6 @@ fn held_forces(space: &Space, mut forces: Vec<f64>) -> Vec<f64> {
     space.nodal(&space.prescribed_of(&forces))
 }
 
-/// By point, Σ N y over the nodes of the side that bears it and over the others.
-pub(super) fn sides_of(step: &Step, y: &[f64]) -> Vec<[f64; 2]> {
-    let nodes = &step.boundary.nodes;
-    let sum = |of: &[(usize, f64)]| -> f64 { of.iter().map(|&(node, value)| value * y[nodes[node] as usize]).sum() };
-    step.boundary
-        .points
-        .iter()
-        .map(|point| {
-            let (own, other) = point.nodes.split_at(point.own);
-            [sum(own), sum(other)]
-        })
-        .collect()
-}
-
 /// Adds weights of temperatures of the sides of each point to the nodes.
 pub(super) fn onto_sides(step: &Step, of: impl Iterator<Item = [f64; 2]>, sum: &mut [f64]) {
     for (point, sides) in step.boundary.points.iter().zip(of) {
@@ -97,9 +91,9 @@ pub(super) fn onto_sides(step: &Step, of: impl Iterator<Item = [f64; 2]>, sum: &
     }
 }
 
-/// The transposed derivative of Σ ω Nᵀ q·ν in θ times y.
-fn exchanged(step: &Step, flux: &[Flux], y: &[f64]) -> Vec<f64> {
-    let seen = sides_of(step, y);
+/// The transposed derivative of Σ ω Nᵀ q·ν in θ times y, and of the balances of foundations times their multipliers.
+fn exchanged(step: &Step, flux: &[Flux], y: &[f64], eta: &[f64]) -> Vec<f64> {
+    let seen = both_sides(step, y, eta);
     let of = step.boundary.points.iter().zip(flux.iter().zip(&seen)).map(|(point, (flux, [own, other]))| {
         let sum = point.weight * (own + other);
         // The shares of the other side are negative in the jump.
@@ -120,14 +114,14 @@ pub(super) fn unweighted(step: &Step, vectors: impl Iterator<Item = Point>) -> V
 }
 
 /// The derivative of the heat that contact takes in the temperatures of a step, and the system made ready for it.
-pub(super) fn heat_tangent(step: &Step, half: &mut HalfStep, of: &SolvedStep, flux: &[Flux]) -> Tangent {
+pub(super) fn heat_tangent(step: &Step, half: &mut HalfStep, of: &SolvedStep) -> Tangent {
     half.system.condensed_mut().turn(&[]);
     if step.contacts.is_empty() {
         return Tangent::new();
     }
-    let (foundation, lumped) = (temperatures(step), vec![None; step.contacts.len()]);
+    let (foundation, lumped) = (temperatures(step), lumped(step));
     let prescribed = step.boundary.restricted(1, &of.at.theta);
-    let exchange = Exchange { flux: flux.to_vec(), ..Exchange::default() };
+    let exchange = Exchange { flux: of.flux.to_vec(), ..Exchange::default() };
     let (on_boundary, unknown) = (heat_step(step, &foundation, of.states), &half.on_contact);
     HeatStep { theta_prescribed: &prescribed, lumped: &lumped, unknown, ..on_boundary }.tangent(&exchange)
 }

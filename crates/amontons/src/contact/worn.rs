@@ -187,6 +187,74 @@ impl WornSides {
         after
     }
 
+    /// At each contact point the depth off both sides of its pair, m; zero at foundations. It is linear in the depths
+    /// of the vertices.
+    #[must_use]
+    pub fn depths_at(&self, contacts: &[Contact], boundary: &ContactBoundary, depths: &[Vec<f64>]) -> Vec<f64> {
+        let mut all = vec![0.0; boundary.points.len()];
+        self.visit(contacts, boundary, |i, [side, vertex], [share, _]| all[i] += share * depths[side][vertex]);
+        all
+    }
+
+    /// The transposed of [`WornSides::depths_at`].
+    #[must_use]
+    pub fn depths_at_transposed(
+        &self,
+        contacts: &[Contact],
+        boundary: &ContactBoundary,
+        weights: &[f64],
+    ) -> Vec<Vec<f64>> {
+        let mut all = self.fresh().depths;
+        self.visit(contacts, boundary, |i, [side, vertex], [share, _]| all[side][vertex] += share * weights[i]);
+        all
+    }
+
+    /// The growth of the depths of the vertices by depths that come off at the contact points, in which it is linear,
+    /// m.
+    #[must_use]
+    pub fn growth(&self, contacts: &[Contact], boundary: &ContactBoundary, worn: &[f64]) -> Vec<Vec<f64>> {
+        let mut all = self.fresh().depths;
+        self.visit(contacts, boundary, |i, [side, vertex], [_, part]| all[side][vertex] += part * worn[i]);
+        all
+    }
+
+    /// The transposed of [`WornSides::growth`].
+    #[must_use]
+    pub fn growth_transposed(
+        &self,
+        contacts: &[Contact],
+        boundary: &ContactBoundary,
+        weights: &[Vec<f64>],
+    ) -> Vec<f64> {
+        let mut all = vec![0.0; boundary.points.len()];
+        self.visit(contacts, boundary, |i, [side, vertex], [_, part]| all[i] += part * weights[side][vertex]);
+        all
+    }
+
+    /// Shows each point of a pair with each side and vertex: the share W_ia, and the growth of the depth there per
+    /// depth that comes off at the point.
+    fn visit(
+        &self,
+        contacts: &[Contact],
+        boundary: &ContactBoundary,
+        mut see: impl FnMut(usize, [usize; 2], [f64; 2]),
+    ) {
+        if self.sides.is_empty() {
+            return;
+        }
+        for (i, point) in boundary.points.iter().enumerate() {
+            let fractions = contacts[point.contact].wear_fractions();
+            for (of, fraction) in self.of_point(contacts, point).into_iter().zip(fractions) {
+                let Some((side, shares)) = of else { continue };
+                for (vertex, share) in shares {
+                    let area = self.sides[side].areas[vertex];
+                    let part = if area > 0.0 { fraction * point.weight * share / area } else { 0.0 };
+                    see(i, [side, vertex], [share, part]);
+                }
+            }
+        }
+    }
+
     /// The depth off a side of a contact at a node, m; `None` if this side does not wear or has no such node.
     #[must_use]
     pub fn depth(&self, contact: usize, is_on: bool, node: u32, depths: &[Vec<f64>]) -> Option<f64> {

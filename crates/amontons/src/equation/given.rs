@@ -65,9 +65,15 @@ impl Given {
         for (drive, length) in drives.iter().zip(lengths) {
             self.advance.get_mut(drive.contact).into_iter().for_each(|advance| *advance += length);
         }
+        let advance = self.advance.clone();
+        self.lead(step, [&step.old.surface.advance, &advance]);
+    }
+
+    /// Sets δ of each contact at the start and at the end of the step.
+    pub fn lead(&mut self, step: &Step, advance: [&[f64]; 2]) {
         let Step { problem, boundary, old, .. } = *step;
-        let advance = [&old.surface.advance, &self.advance].map(|all| &**all);
         self.frames = frames(problem, boundary, &old.u, (&step.worn(), advance), step.interval());
+        self.advance = advance[1].to_vec();
     }
 
     /// These data relative to bodies that move with rigid velocities W; `v` holds the velocities minus W.

@@ -6,6 +6,7 @@ use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, over_blocks, without_contact};
+use crate::contact::Contact;
 use crate::inclusion::residual::Residual;
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState};
 use crate::linalg::{SolveError, Tangent, by_blocks, copy, map, map_block, max_abs, sum_block, zeros};
@@ -370,23 +371,20 @@ struct Given {
     lumped: Vec<Option<Lumped>>,
 }
 
+/// The foundations with a heat capacity at the start of a step, per contact; `None` where θ_F is prescribed.
+pub(crate) fn lumped(step: &Step) -> Vec<Option<Lumped>> {
+    let of = |(contact, before): (&Contact, &Option<f64>)| {
+        let (foundation, before) = (contact.foundation_heat.as_ref()?, (*before)?);
+        let surroundings = foundation.surroundings.value(&[0.0; 3], step.level);
+        let storage = foundation.capacity / step.rule.delta;
+        Some(Lumped { storage, before, exchange: foundation.exchange, surroundings })
+    };
+    step.problem.contacts.iter().zip(step.bar.foundation).map(of).collect()
+}
+
 impl Given {
     fn new(step: &Step, theta: &[f64]) -> Given {
-        let lumped = step.problem.contacts.iter().zip(step.bar.foundation).map(|(contact, before)| {
-            let (foundation, before) = (contact.foundation_heat.as_ref()?, (*before)?);
-            let surroundings = foundation.surroundings.value(&[0.0; 3], step.level);
-            Some(Lumped {
-                storage: foundation.capacity / step.rule.delta,
-                before,
-                exchange: foundation.exchange,
-                surroundings,
-            })
-        });
-        Given {
-            prescribed: step.boundary.restricted(1, theta),
-            foundation: temperatures(step),
-            lumped: lumped.collect(),
-        }
+        Given { prescribed: step.boundary.restricted(1, theta), foundation: temperatures(step), lumped: lumped(step) }
     }
 
     /// The problem on Γ_C, or `None` without contact.

@@ -1,6 +1,6 @@
 //! Derivatives of runs against those of closed forms.
 
-use super::gradient::by_keys;
+use super::gradient::{by_keys, read};
 use super::series::series_by_keys;
 
 fn is_near(found: f64, known: f64, tolerance: f64) -> bool {
@@ -282,9 +282,8 @@ fn the_heat_of_a_stop_has_the_derivatives_of_its_closed_form() {
     }
 }
 
-/// A block of width 0.4 on a wider one is pressed by 1e-3 over a height of 2: E = 100 and ν = 0 give p = 0.05. The
-/// force ∫ p is 0.02 times the thickness, 0.05 per width, and the area that touches 0.4 times the thickness: the
-/// weights of the points change with both.
+/// A block of width 0.4 that is pressed on a wider one: the force ∫ p is in proportion to the thickness, and the area
+/// that touches to the thickness and to the width. The weights of the points change with both.
 #[test]
 fn integrals_over_a_pair_follow_its_size() {
     let text = r#"
@@ -342,4 +341,39 @@ take = "integral"
     });
     assert!(is_near(slopes[0][1], (more - less) / 2e-5, 1e-5), "{slopes:?} {}", (more - less) / 2e-5);
     assert!(is_near(slopes[2][1], slopes[0][1], 1e-8), "{slopes:?}");
+}
+
+/// Two bolts and a plate between them as springs in parallel below a rigid yoke, k_b = 1e8 N/m and k_c = 4e8 N/m: after
+/// a preload of F_V = 10 kN a pull F_A = 8 kN leaves the plate F_V − F_A k_c/(k_b + k_c), and of 15 kN nothing.
+#[test]
+fn a_bolted_joint_has_the_derivatives_of_its_closed_form() {
+    let text = read("crates/amontons/benchmarks/bolted-joint.toml");
+    let (model, _) = text.split_once("[verify]").expect("checks");
+    let plate = "[constants]\nplate = 5e10\nbolt = 5000\n[[region]]\non = \"plate\"\nmaterial = { density = 0, elasticity = \
+                 { law = \"isotropic\", young = \"plate\", poisson = 0, stress_state = \"plane-stress\" } }\n[[side]]\n";
+    let probe =
+        |on: &str| format!("[[probe]]\nname = \"{on}\"\nquantity = \"pressure\"\non = \"{on}\"\ntake = \"mean\"\n");
+    let text = model.replacen("[[side]]\n", plate, 1).replace("\"5 kN\"", "\"bolt\"");
+    let text = text + &probe("left_upper_bottom") + &probe("plate_bottom");
+    let outputs = ["left_upper_bottom", "plate_bottom"];
+    let found = series_by_keys(&text, &outputs, &["constants.bolt", "constants.plate"]).expect("a series");
+    let adjoint = by_keys(&text, &outputs, &["constants.bolt", "constants.plate"], None).expect("a gradient");
+    // k_b k_c/(k_b + k_c)²/E of the plate, and the areas of a bolt and of the plate.
+    let (shared, bolt, plate) = (0.16 / 5e10, 5e-5, 4e-4);
+    let known: [[[f64; 2]; 2]; 3] = [
+        [[-1.0 / bolt, 0.0], [2.0 / plate, 0.0]],
+        [[-1.0 / bolt, 4000.0 * shared / bolt], [2.0 / plate, -8000.0 * shared / plate]],
+        [[0.0; 2]; 2],
+    ];
+    for (n, known) in known.iter().enumerate() {
+        let found = &found.derivatives[n + 1];
+        println!("step {}: {found:?} {known:?}", n + 1);
+        for (found, known) in found.iter().zip(known) {
+            for (j, size) in [1.0 / bolt, 4000.0 * shared / bolt].into_iter().enumerate() {
+                assert!((found[j] - known[j]).abs() <= 1e-9 * size, "step {}: {found:?} {known:?}", n + 1);
+            }
+        }
+    }
+    let last = adjoint.derivatives.iter().flatten();
+    assert!(last.clone().all(|slope| slope.abs() < 1e-9 / bolt) && last.count() == 4, "{:?}", adjoint.derivatives);
 }

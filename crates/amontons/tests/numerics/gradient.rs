@@ -6,7 +6,7 @@ use amontons::problem::{Fault, Problem};
 
 use super::common::file;
 
-fn read(path: &str) -> String {
+pub(super) fn read(path: &str) -> String {
     std::fs::read_to_string(file(path)).expect("a file")
 }
 

@@ -193,6 +193,44 @@ fn varied(seed: u64) -> (String, Vec<String>, Vec<String>) {
     (text, outputs, keys)
 }
 
+/// The same with an obstacle that a force presses on the body from below, which may warm, and with wear of pairs.
+fn driven(seed: u64) -> (String, Vec<String>, Vec<String>) {
+    let (mut text, outputs, mut keys) = made(seed);
+    let mut dice = Dice(Random(0x2545_f491_4f6c_dd1d ^ seed));
+    (0..8).for_each(|_| _ = dice.between(0.0, 1.0));
+    if text.contains("nonmortar") {
+        let fraction = dice.between(0.1, 0.9);
+        let wear = format!("wear = {{ law = \"archard\", coefficient = 0.02, fraction = {fraction:?} }}");
+        text = text.replacen("[contact]\n", &format!("[contact]\n{wear}\n"), 1);
+        keys.extend(["contact.wear.coefficient".to_owned(), "contact.wear.fraction".to_owned()]);
+        return (text, outputs, keys);
+    }
+    let dim = if text.contains("stress_state") { 2 } else { 3 };
+    // The turn of the body is the first that a seed makes.
+    let mut of_turn = Dice(Random(0x9e37_79b9_7f4a_7c15 + seed));
+    (0..9).for_each(|_| _ = of_turn.between(0.0, 1.0));
+    let turned = Turned::new(&mut of_turn, dim);
+    let radius = dice.between(2.0, 6.0);
+    let center = turned.vector([dice.between(0.3, 0.7), 0.0 - radius, 0.2]);
+    let direction = turned.vector([dice.between(-0.2, 0.2), 1.0, if dim == 3 { 0.1 } else { 0.0 }]);
+    let (force, mass) = (dice.between(0.2, 0.6), dice.one(&["", ", mass = 0.7"]));
+    let area = if dim == 2 { 1.0 } else { 0.4 };
+    let obstacle = format!(
+        "obstacle = {{ shape = \"sphere\", center = {center}, radius = {radius:?}, load = {{ force = \"press*(0.2 + t)\", \
+         direction = {direction}{mass} }} }}\n"
+    );
+    let foundation = if text.contains("heat_capacity") {
+        keys.push("contact.foundation.heat_capacity".to_owned());
+        "foundation = { heat_capacity = 0.2, exchange = 0.3, surroundings = 1.5 }\n"
+    } else {
+        ""
+    };
+    text = text.replacen("[contact]\n", &format!("[contact]\n{obstacle}{foundation}"), 1);
+    text = text.replacen("[mesh]\n", &format!("[constants]\npress = {:?}\n[mesh]\n", area * force), 1);
+    keys.extend(["constants.press".to_owned(), "contact.obstacle.load.direction[0]".to_owned()]);
+    (text, outputs, keys)
+}
+
 /// The outputs at all steps, and the status of all contact points.
 fn values(source: &Source, outputs: &[String], set: &str) -> (Vec<Vec<f64>>, Vec<Status>) {
     let case = parsed(source, &[set.to_owned()]);
@@ -327,4 +365,9 @@ fn random_cases_have_the_slopes_of_differences_of_runs() {
 #[test]
 fn random_cases_of_other_bodies_have_the_slopes_of_differences_of_runs() {
     check(100..116, varied, 200);
+}
+
+#[test]
+fn random_cases_of_driven_and_worn_contacts_have_the_slopes_of_differences_of_runs() {
+    check(200..218, driven, 300);
 }
