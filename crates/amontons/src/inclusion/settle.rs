@@ -70,8 +70,8 @@ impl Mechanical<'_> {
     }
 
     /// The step in which a soft spring holds each motion that nothing but contact does, and these springs; `None` if
-    /// there is no such motion. A part that has to cross its clearance or to roll before friction holds it gets there in
-    /// one step of Newton's method, which the springs of [`Mechanical::hold`] allow it in many.
+    /// there is no such motion. A part that has to cross its clearance or to roll before friction holds it gets there
+    /// in one step of Newton's method, which the springs of [`Mechanical::hold`] allow it in many.
     pub(super) fn softly_held(&self) -> Option<(Mechanical<'_>, Vec<Spring>)> {
         let mut holds = self.holds.clone()?;
         let free = holds.jumps.free(&self.interface, |_| [[0.0; 3]; 3], &holds.frees(), (true, holds.scale.len()));

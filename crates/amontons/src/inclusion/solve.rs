@@ -141,8 +141,8 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method; where
-    /// that does not end and parts are loose, from the step in which soft springs hold them; and where that does not end
-    /// either, by proximal steps.
+    /// that does not end and parts are loose, from the step in which soft springs hold them; and where that does not
+    /// end either, by proximal steps.
     fn on_branches(
         &self,
         condensed: &mut dyn Condensed,
@@ -171,9 +171,9 @@ impl Mechanical<'_> {
         }
     }
 
-    /// Newton's method: from an iterate; where that does not end, from the body at rest if it is nearly a solution; then
-    /// from the step without friction, whose pattern of contact is near where much closes at once; then from the end of
-    /// a path of steps with smooth friction.
+    /// Newton's method: from an iterate; where that does not end, from the body at rest if it is nearly a solution;
+    /// then from the step without friction, whose pattern of contact is near where much closes at once; then from the
+    /// end of a path of steps with smooth friction.
     fn by_newton(
         &self,
         condensed: &mut dyn Condensed,

@@ -104,7 +104,8 @@ fn runs_with_a_tightened_bolt_have_the_slopes_of_differences() {
     check_within(4e-4, &still, &["corner_x", "section"], &["constants.bolt", "material.elasticity.young"]);
 }
 
-/// A block, turned off the axes, on which a disc lies that a force presses askew; the foot of the block moves to and fro.
+/// A block, turned off the axes, on which a disc lies that a force presses askew; the foot of the block moves to and
+/// fro.
 const PRESSED: &str = r#"
 name = "pressed"
 units = "dimensionless"
