@@ -216,7 +216,7 @@ impl QuadrilateralShape {
         &self,
         (laws, motion): (&StepLaws, &StepMotion),
         (region, nodes): (usize, &[u32]),
-        (sides, load): (&[[Point; 3]], &Point),
+        (sides, load): (&[[Point; 4]], &Point),
         stresses: &ReferenceStresses,
     ) -> Option<(Vec<Point>, f64)> {
         let is_linear = self.is_linear(laws, region, motion);
@@ -315,7 +315,7 @@ impl QuadrilateralShape {
         &self,
         (laws, motion): (&StepLaws, &StepMotion),
         (region, nodes): (usize, &[u32]),
-        sides: &[[Point; 3]],
+        sides: &[[Point; 4]],
         is_linear: bool,
     ) -> Vec<f64> {
         let mut all: Vec<f64> =
