@@ -2,7 +2,7 @@
 //!
 //! Triangle j has the vertices j and j + 1 and the middle. A traction is linear on each triangle. Its moments with the
 //! bilinear functions of the vertices, b_v = ∫ t φ_v, enter the balance of cells. For any b_v there is one continuous
-//! traction whose value at the middle is the mean of those at the vertices; all others add a part without these moments.
+//! traction whose value at the middle is the mean of those at the vertices; all others add a part without moments.
 
 use super::dense::{Semidefinite, kernel};
 use super::skeleton::linear_functions;
