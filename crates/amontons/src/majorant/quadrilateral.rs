@@ -318,8 +318,11 @@ impl QuadrilateralShape {
         sides: &[[Point; 4]],
         is_linear: bool,
     ) -> Vec<f64> {
-        let mut all: Vec<f64> =
-            sides.iter().flat_map(|side| side[..2].iter().flat_map(|moment| moment[..2].iter().copied())).collect();
+        let mut all: Vec<f64> = sides
+            .iter()
+            .take(4)
+            .flat_map(|side| side[..2].iter().flat_map(|moment| moment[..2].iter().copied()))
+            .collect();
         let corners = if is_linear { self.at_corners(laws, motion, (region, nodes)) } else { Vec::new() };
         for (i, triangle) in self.triangles.iter().enumerate() {
             // Length times normal, out of triangle i, of the side opposite to its second vertex.
