@@ -2,6 +2,9 @@
 
 /// Pivot relative to the diagonal below which a row depends on those before.
 const DEPENDENT: f64 = 1e-11;
+/// Diagonal relative to the largest one below which a row is zero: the square of round-off, as of a component of a
+/// normal that would vanish.
+const NONE: f64 = 64.0 * f64::EPSILON * f64::EPSILON;
 
 /// The product of two vectors, with four partial sums.
 pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
@@ -31,6 +34,7 @@ impl Semidefinite {
 
     /// The factor of a matrix whose lower triangle is given, row by row.
     pub fn packed(mut l: Vec<f64>, n: usize) -> Semidefinite {
+        let largest = (0..n).map(|i| l[i * (i + 1) / 2 + i]).fold(0.0, f64::max);
         for i in 0..n {
             let (before, rest) = l.split_at_mut(i * (i + 1) / 2);
             let row = &mut rest[..=i];
@@ -40,7 +44,7 @@ impl Semidefinite {
                 row[j] = if pivot > 0.0 { (row[j] - product(&row[..j], &other[..j])) / pivot } else { 0.0 };
             }
             let (diagonal, pivot) = (row[i], row[i] - product(&row[..i], &row[..i]));
-            row[i] = if pivot > DEPENDENT * diagonal { pivot.sqrt() } else { 0.0 };
+            row[i] = if pivot > DEPENDENT * diagonal && pivot > NONE * largest { pivot.sqrt() } else { 0.0 };
         }
         Semidefinite { l, n }
     }
@@ -65,7 +69,9 @@ impl Semidefinite {
             for (other, l) in before.chunks_exact(width).zip(own) {
                 row.iter_mut().zip(other).for_each(|(x, y)| *x -= l * y);
             }
-            row.iter_mut().for_each(|x| *x /= own[i]);
+            for x in row {
+                *x /= own[i];
+            }
         }
     }
 
@@ -218,6 +224,18 @@ pub(super) fn kernel(rows: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A component that is round-off does not decide on the solution: the first row depends on the others.
+    #[test]
+    fn a_row_of_round_off_counts_as_zero() {
+        let n = [1e-17, 0.3, -0.9];
+        let matrix: Vec<Vec<f64>> = n.iter().map(|a| n.iter().map(|b| a * b).collect()).collect();
+        let right = [3e-17, 0.6, -1.8];
+        let found = Semidefinite::new(&matrix).solve(&right);
+        for (row, right) in matrix.iter().zip(right) {
+            assert!((product(row, &found) - right).abs() < 1e-14, "{found:?}");
+        }
+    }
 
     /// The kernel is orthonormal, annihilates the rows, and has the dimension that remains.
     #[test]
