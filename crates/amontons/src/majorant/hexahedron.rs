@@ -284,7 +284,7 @@ mod tests {
         let of = |f: usize| {
             let own = Q1_HEXAHEDRON.facets[f].nodes;
             let corners: [usize; 4] =
-                std::array::from_fn(|slot| own[if f % 2 == 0 { (f + slot) % 4 } else { (7 + f - slot) % 4 }]);
+                std::array::from_fn(|slot| own[if f.is_multiple_of(2) { (f + slot) % 4 } else { (7 + f - slot) % 4 }]);
             (FacetModes::new(3, &corners.map(|vertex| vertices[vertex])), corners)
         };
         (0..6).map(of).collect()

@@ -57,7 +57,7 @@ pub(super) struct FacetModes {
 
 /// ±1 by turns around a parallelogram.
 fn turns(vertex: usize) -> f64 {
-    if vertex % 2 == 0 { 1.0 } else { -1.0 }
+    if vertex.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 impl FacetModes {
