@@ -1,8 +1,9 @@
 //! The bound of the discretization error beside the run of one step.
 //!
 //! `cargo bench -p amontons-core --bench bound` prints the seconds of a step with its factorization, of the first bound
-//! and of a further one, for plane and cubic blocks on a rigid foundation. Arguments after `--`: cells per edge in the
-//! plane, cells per edge in space, and a part of the name of the bodies that are measured.
+//! and of a further one, for plane and cubic blocks on a rigid foundation. "Moved" are meshes of which no two cells are
+//! alike. Arguments after `--`: cells per edge in the plane, cells per edge in space, and a part of the name of the
+//! bodies that are measured.
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a program for developers")]
 
 use std::sync::Arc;
@@ -52,6 +53,14 @@ fn moved(mut mesh: Mesh, cell: f64) -> Mesh {
     mesh
 }
 
+/// The mesh with layers of other thicknesses along each axis: the cells stay boxes, and no two of them are alike.
+fn graded(mut mesh: Mesh) -> Mesh {
+    for p in &mut mesh.points {
+        p.iter_mut().zip([1.3, 1.5, 1.7]).for_each(|(x, power)| *x = x.powf(power));
+    }
+    mesh
+}
+
 fn measure(name: &str, problem: &Problem) {
     let mut memory = Memory::new().states_every(1).reports();
     let settings = Settings { certificate: false, ..Settings::default() };
@@ -85,6 +94,10 @@ fn main() {
         (3, "P1", false),
         (3, "P1", true),
         (3, "P2", false),
+        (3, "Q1", false),
+        (3, "Q1", true),
+        (3, "Q2", false),
+        (3, "Q2", true),
     ];
     for (axes, elements, is_moved) in bodies {
         let (name, after) = (["plane", "space"][axes - 2], if is_moved { ", moved" } else { "" });
@@ -94,7 +107,7 @@ fn main() {
         }
         let n = match (axes, elements) {
             (2, _) => plane,
-            (_, "P2") => space / 2,
+            (_, "P2" | "Q2") => space / 2,
             _ => space,
         };
         let mesh = if axes == 2 {
@@ -105,7 +118,8 @@ fn main() {
         let source = Source::new("block.toml", block(&mesh, axes, elements));
         let mut problem = case::parse(&source, &[]).expect("a case").problem;
         if is_moved {
-            let mesh = moved((*problem.mesh).clone(), 1.0 / n as f64);
+            let mesh = (*problem.mesh).clone();
+            let mesh = if (axes, &elements[..1]) == (3, "Q") { graded(mesh) } else { moved(mesh, 1.0 / n as f64) };
             problem = problem.with(|data| data.mesh = Arc::new(mesh)).expect("a problem");
         }
         measure(&name, &problem);

@@ -93,17 +93,25 @@ impl FacetGiven {
 #[derive(Clone, Debug)]
 pub(super) struct CellForces {
     /// ∫ σ∇φ − ∫ f φ per vertex, N.
-    pub rest: [Point; 4],
+    pub rest: [Point; 8],
     /// ∫ f φ per vertex, N.
-    pub load: [Point; 4],
+    pub load: [Point; 8],
     /// Volume times size of the compliance, m³/Pa.
     pub softness: f64,
     /// Volume, m³.
     pub volume: f64,
 }
 
+impl CellForces {
+    /// The load per volume, whose moments are those of a constant, N/m³.
+    pub fn load_density(&self) -> Point {
+        let sum = self.load.iter().fold([0.0; 3], |sum: Point, f| std::array::from_fn(|c| sum[c] + f[c]));
+        sum.map(|c| c / self.volume)
+    }
+}
+
 /// The moments of the tractions, by facet and vertex.
-pub(super) type FacetMoments = Vec<[Point; 3]>;
+pub(super) type FacetMoments = Vec<[Point; 4]>;
 
 /// Largest part of the forces of a star that may be left unbalanced, relative to the largest force of the body: more
 /// than round-off is a force on a point or an edge.
@@ -113,7 +121,7 @@ const LEFT: f64 = 1e-8;
 pub(super) fn means(skeleton: &Skeleton, forces: &[CellForces], stresses: &[CellStress]) -> (FacetMoments, Vec<f64>) {
     let of_facet = |facet: usize| {
         let known = &skeleton.facets[facet];
-        let (mut sum, mut weight, mut area) = ([[0.0; 3]; 3], 0.0, 1.0);
+        let (mut sum, mut weight, mut area) = ([[0.0; 3]; 4], 0.0, 1.0);
         for &(cell, local) in &known.cells {
             area = stresses[cell].areas[local];
             let softness = forces[cell].softness / area;
@@ -145,7 +153,7 @@ pub(super) fn balanced(
     let problem = StarProblem { skeleton, dim, given, forces, means, weights, largest };
     let stars: Vec<Result<Vec<(usize, usize, Point)>, Refused>> =
         (0..skeleton.stars.len()).into_par_iter().map(|vertex| problem.solve(vertex)).collect();
-    let mut moments: FacetMoments = vec![[[0.0; 3]; 3]; skeleton.facets.len()];
+    let mut moments: FacetMoments = vec![[[0.0; 3]; 4]; skeleton.facets.len()];
     for star in stars {
         for (facet, place, moment) in star? {
             moments[facet][place] = moment;

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 use super::Refused;
 use super::balance::FacetGiven;
-use super::skeleton::Skeleton;
+use super::parallelogram::{self, on_triangles, traction_rule};
+use super::skeleton::{Skeleton, linear_functions};
 use super::stress::{StepLaws, StepMotion};
 use crate::contact::{Contact, ContactPoint, GraphKind, NormalLaw, Quadrature};
 use crate::element::{Element, ShapeTable};
@@ -68,11 +69,16 @@ pub(super) struct ContactFacet {
 }
 
 impl ContactFacet {
-    /// Values at a place of the functions by which tractions at vertices are continued: the linear ones, or those of
-    /// which the product with r is linear, as it is the force per length of a ring that balances.
-    fn shares(&self, hats: &[f64]) -> Vec<f64> {
+    /// Values at a place of the functions by which tractions at vertices are continued: the linear ones; on the four
+    /// triangles of a parallelogram; or those of which the product with r is linear, as it is the force per length of a
+    /// ring that balances.
+    fn shares(&self, x: &Point) -> Vec<f64> {
+        if self.element.shape == Shape::Quadrilateral {
+            return parallelogram::functions(x);
+        }
+        let hats = linear_functions(self.element.shape, self.element, x);
         if self.radii.is_empty() {
-            return hats.to_vec();
+            return hats;
         }
         let r: f64 = hats.iter().zip(&self.radii).map(|(hat, r)| hat * r).sum();
         hats.iter().zip(&self.radii).map(|(hat, own)| hat * own / r).collect()
@@ -225,14 +231,15 @@ impl<'a> Touching<'a> {
     /// without a contact point `u` need not be.
     ///
     /// On a side a quadratic r is at most zero if it is so at the vertices and 4 r_m ≤ r_1 + r_2 for the middle of each
-    /// edge, by its Bernstein coefficients.
+    /// edge, by its Bernstein coefficients; a biquadratic one if also 16 r_c ≤ 4 Σ r_m − Σ r_i for the middle of the
+    /// facet.
     ///
     /// # Errors
     /// If a held node is not where the foundation lets it be.
     pub fn admissible(&self, u: &[f64]) -> Result<Option<Vec<f64>>, Refused> {
         let mut repaired = u.to_vec();
         let mut is_changed = false;
-        for pass in 0..2 {
+        for pass in 0..3 {
             // What nodes lose is the largest of their facets.
             let mut changes: HashMap<u32, (f64, Point)> = HashMap::new();
             for facet in &self.facets {
@@ -242,9 +249,13 @@ impl<'a> Touching<'a> {
                     let change = match (self.kinds[facet.contact], pass, place < n) {
                         (Some(NormalKind::Bilateral), 0, _) => r[place],
                         (Some(NormalKind::Rigid), 0, true) => r[place].max(0.0),
-                        (Some(NormalKind::Rigid), 1, false) => {
+                        (Some(NormalKind::Rigid), 1, false) if place < 2 * n => {
                             let ends = edge(n, place);
                             (r[place] - 0.25 * (r[ends[0]] + r[ends[1]])).max(0.0)
+                        }
+                        (Some(NormalKind::Rigid), 2, false) if place >= 2 * n => {
+                            let [vertices, middles] = [&r[..n], &r[n..2 * n]].map(|of| of.iter().sum::<f64>());
+                            (r[place] - 0.25 * middles + 0.0625 * vertices).max(0.0)
                         }
                         _ => 0.0,
                     };
@@ -297,7 +308,9 @@ impl<'a> Touching<'a> {
             return false;
         }
         let opens: Vec<bool> = (0..facet.nodes.len()).map(|place| self.penetration(facet, place, u) < 0.0).collect();
-        let is_beside = |place: usize| edge(n, place).into_iter().any(|end| opens[end]);
+        let is_beside = |place: usize| {
+            if place < 2 * n { edge(n, place).into_iter().any(|end| opens[end]) } else { opens[..n].contains(&true) }
+        };
         opens[..n].contains(&true) && (n..opens.len()).all(|place| opens[place] || !is_beside(place))
     }
 
@@ -386,14 +399,17 @@ impl<'a> Touching<'a> {
         let mesh = &self.solved.problem.mesh;
         for facet in &self.facets {
             let shape = facet.element.shape;
-            let table = ShapeTable::new(facet.element, facet.element.degree + 2);
-            let rule = rule(shape, facet.element.degree + 2);
+            // On a parallelogram the degrees of both coordinates add up.
+            let degree = if shape == Shape::Quadrilateral { 2 } else { 1 } * facet.element.degree + 2;
+            let rule = traction_rule(shape, degree);
+            let points = rule.points.clone();
+            let table = ShapeTable::of_rule(facet.element, rule);
             let mut map = FacetMap::new(mesh, &table);
-            for (q, x) in rule.points.iter().enumerate() {
+            for (q, x) in points.iter().enumerate() {
                 map.at(&facet.nodes, q);
-                let hats = super::skeleton::linear_functions(shape, facet.element, x);
+                let hats = linear_functions(shape, facet.element, x);
                 let weight = table.weights[q] * map.area;
-                let shares = facet.shares(&hats);
+                let shares = facet.shares(x);
                 let traction: Point = std::array::from_fn(|c| {
                     let at = |v: usize| 0.0 - facet.pressure[v] * facet.normal[c] - facet.friction[v][c];
                     shares.iter().enumerate().map(|(v, value)| value * at(v)).sum()
@@ -418,7 +434,8 @@ impl<'a> Touching<'a> {
         let contact = &self.solved.contacts[facet.contact];
         let shape = facet.element.shape;
         let kind = self.kinds[facet.contact];
-        let fine = pieces(shape, 2 * facet.element.degree + 3);
+        let degree = facet.element.degree;
+        let fine = pieces(shape, if shape == Shape::Quadrilateral { 4 * degree + 1 } else { 2 * degree + 3 });
         let points = fine.points.clone();
         let table = ShapeTable::of_rule(facet.element, fine);
         let mut map = FacetMap::new(mesh, &table);
@@ -427,7 +444,7 @@ impl<'a> Touching<'a> {
         let mut sum = 0.0;
         for (q, x) in points.iter().enumerate() {
             map.at(&facet.nodes, q);
-            let hats = facet.shares(&super::skeleton::linear_functions(shape, facet.element, x));
+            let hats = facet.shares(x);
             let linear = |values: &[f64]| -> f64 { hats.iter().zip(values).map(|(a, b)| a * b).sum() };
             let (p, s) = (linear(&facet.pressure), linear(&facet.bound));
             let penetration: f64 = map.values().iter().zip(&r).map(|(a, b)| a * b).sum();
@@ -506,9 +523,17 @@ fn fenchel(law: &dyn NormalLaw, x: &Point, r: f64, p: f64) -> f64 {
 
 /// A rule on the parts of a shape, fine where kinks of the laws cut it.
 fn pieces(shape: Shape, degree: usize) -> QuadratureRule {
-    const PARTS: usize = 8;
+    match shape {
+        // A triangle of a parallelogram is half as long.
+        Shape::Quadrilateral => on_triangles(&parts(Shape::Triangle, degree, 4)),
+        _ => parts(shape, degree, 8),
+    }
+}
+
+/// A rule on a number of parts per edge.
+fn parts(shape: Shape, degree: usize, count: usize) -> QuadratureRule {
     let whole = rule(shape, degree);
-    let step = 1.0 / PARTS as f64;
+    let step = 1.0 / count as f64;
     let mut fine = QuadratureRule { points: Vec::new(), weights: Vec::new() };
     let mut add = |of: &dyn Fn(&Point) -> Point, share: f64| {
         for (x, weight) in whole.iter() {
@@ -518,16 +543,16 @@ fn pieces(shape: Shape, degree: usize) -> QuadratureRule {
     };
     match shape {
         Shape::Segment => {
-            for i in 0..PARTS {
+            for i in 0..count {
                 add(&|x| [(i as f64 + x[0]) * step, 0.0, 0.0], step);
             }
         }
         Shape::Triangle => {
-            for i in 0..PARTS {
-                for j in 0..PARTS - i {
+            for i in 0..count {
+                for j in 0..count - i {
                     let corner = [i as f64 * step, j as f64 * step];
                     add(&|x| [corner[0] + step * x[0], corner[1] + step * x[1], 0.0], step * step);
-                    if i + j + 1 < PARTS {
+                    if i + j + 1 < count {
                         let far = [corner[0] + step, corner[1] + step];
                         add(&|x| [far[0] - step * x[0], far[1] - step * x[1], 0.0], step * step);
                     }

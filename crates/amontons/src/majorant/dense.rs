@@ -2,6 +2,9 @@
 
 /// Pivot relative to the diagonal below which a row depends on those before.
 const DEPENDENT: f64 = 1e-11;
+/// Diagonal relative to the largest one below which a row is zero: the square of round-off, as of a component of a
+/// normal that would vanish.
+const NONE: f64 = 64.0 * f64::EPSILON * f64::EPSILON;
 
 /// The product of two vectors, with four partial sums.
 pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
@@ -31,6 +34,7 @@ impl Semidefinite {
 
     /// The factor of a matrix whose lower triangle is given, row by row.
     pub fn packed(mut l: Vec<f64>, n: usize) -> Semidefinite {
+        let largest = (0..n).map(|i| l[i * (i + 1) / 2 + i]).fold(0.0, f64::max);
         for i in 0..n {
             let (before, rest) = l.split_at_mut(i * (i + 1) / 2);
             let row = &mut rest[..=i];
@@ -40,7 +44,7 @@ impl Semidefinite {
                 row[j] = if pivot > 0.0 { (row[j] - product(&row[..j], &other[..j])) / pivot } else { 0.0 };
             }
             let (diagonal, pivot) = (row[i], row[i] - product(&row[..i], &row[..i]));
-            row[i] = if pivot > DEPENDENT * diagonal { pivot.sqrt() } else { 0.0 };
+            row[i] = if pivot > DEPENDENT * diagonal && pivot > NONE * largest { pivot.sqrt() } else { 0.0 };
         }
         Semidefinite { l, n }
     }
@@ -50,6 +54,25 @@ impl Semidefinite {
         let mut x = right.to_vec();
         self.solve_in_place(&mut x);
         x
+    }
+
+    /// L⁻¹ X in the place of X, given row by row; the rows that depend on others become zero.
+    pub fn forward(&self, rows: &mut [f64], width: usize) {
+        for i in 0..self.n {
+            let own = &self.l[i * (i + 1) / 2..][..=i];
+            let (before, rest) = rows.split_at_mut(i * width);
+            let row = &mut rest[..width];
+            if own[i] <= 0.0 {
+                row.fill(0.0);
+                continue;
+            }
+            for (other, l) in before.chunks_exact(width).zip(own) {
+                row.iter_mut().zip(other).for_each(|(x, y)| *x -= l * y);
+            }
+            for x in row {
+                *x /= own[i];
+            }
+        }
     }
 
     /// The same in the place of the right-hand side.
@@ -156,4 +179,77 @@ pub(super) fn congruent(gram: &[f64], k: usize, blocks: &[(usize, Vec<f64>)]) ->
         }
     }
     whole
+}
+
+/// Remainder of a row, relative to the row, below which it depends on those before.
+const DEPENDENT_ROW: f64 = 1e-9;
+
+/// An orthonormal basis of the vectors of which the products with all rows vanish.
+pub(super) fn kernel(rows: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let add = |basis: &mut Vec<Vec<f64>>, row: &[f64], least: f64| {
+        let size = product(row, row).sqrt();
+        let mut rest = row.to_vec();
+        for _ in 0..2 {
+            for known in basis.iter() {
+                let along = product(known, &rest);
+                rest.iter_mut().zip(known).for_each(|(x, y)| *x -= along * y);
+            }
+        }
+        let left = product(&rest, &rest).sqrt();
+        let is_new = left > least * size;
+        if is_new {
+            basis.push(rest.iter().map(|x| x / left).collect());
+        }
+        is_new
+    };
+    for row in rows {
+        add(&mut basis, row, DEPENDENT_ROW);
+    }
+    let known = basis.len();
+    // Of n units, at least n − r leave a remainder of at least 1/√n.
+    let mut order: Vec<(usize, f64)> =
+        (0..n).map(|k| (k, basis.iter().map(|row| row[k] * row[k]).sum::<f64>())).collect();
+    order.sort_by(|a, b| a.1.total_cmp(&b.1));
+    for (k, _) in order {
+        if basis.len() == n {
+            break;
+        }
+        let unit: Vec<f64> = (0..n).map(|j| f64::from(u8::from(j == k))).collect();
+        add(&mut basis, &unit, 1e-3);
+    }
+    basis.split_off(known)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A component that is round-off does not decide on the solution: the first row depends on the others.
+    #[test]
+    fn a_row_of_round_off_counts_as_zero() {
+        let n = [1e-17, 0.3, -0.9];
+        let matrix: Vec<Vec<f64>> = n.iter().map(|a| n.iter().map(|b| a * b).collect()).collect();
+        let right = [3e-17, 0.6, -1.8];
+        let found = Semidefinite::new(&matrix).solve(&right);
+        for (row, right) in matrix.iter().zip(right) {
+            assert!((product(row, &found) - right).abs() < 1e-14, "{found:?}");
+        }
+    }
+
+    /// The kernel is orthonormal, annihilates the rows, and has the dimension that remains.
+    #[test]
+    fn a_kernel_annihilates_rows_that_depend_on_each_other() {
+        let row = |seed: f64| -> Vec<f64> { (0..7).map(|k| (seed + 1.9 * f64::from(k)).sin()).collect() };
+        let (a, b) = (row(0.3), row(1.1));
+        let both: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 2.0 * a - b).collect();
+        let found = kernel(&[a.clone(), b.clone(), both, vec![0.0; 7]], 7);
+        assert_eq!(found.len(), 5);
+        for (i, v) in found.iter().enumerate() {
+            assert!(product(v, &a).abs() < 1e-14 && product(v, &b).abs() < 1e-14);
+            for (j, other) in found.iter().enumerate() {
+                assert!((product(v, other) - f64::from(u8::from(i == j))).abs() < 1e-14);
+            }
+        }
+    }
 }

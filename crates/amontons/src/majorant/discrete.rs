@@ -10,10 +10,10 @@ use crate::tensor::{Point, Sym, length};
 #[derive(Clone, Debug)]
 pub(super) struct CellStress {
     /// Moments ∫_F σν φ per facet and vertex of the facet, in the order of the facet, N.
-    pub moments: [[Point; 3]; 4],
+    pub moments: [[Point; 4]; 6],
     /// Areas of the facets, m².
-    pub areas: [f64; 4],
-    /// ∫ σ, N m; zero in quadrilaterals.
+    pub areas: [f64; 6],
+    /// ∫ σ, N m; zero in quadrilaterals and hexahedra.
     pub total: Sym,
     /// True if the stress is linear in a simplex: it is the composite stress with these data.
     pub is_linear: bool,
@@ -25,7 +25,7 @@ impl CellStress {
         if laws.is_linear(skeleton, cell, motion) {
             return CellStress::of_linear(laws, skeleton, motion, cell);
         }
-        let (mut moments, mut areas) = ([[[0.0; 3]; 3]; 4], [0.0; 4]);
+        let (mut moments, mut areas) = ([[[0.0; 3]; 4]; 6], [0.0; 6]);
         for local in 0..skeleton.cells[cell].facets.len() {
             (moments[local], areas[local]) = traction(laws, skeleton, (cell, local), motion);
         }
@@ -53,8 +53,8 @@ impl CellStress {
         });
         let size = volume(dim) * map.determinant * mesh.thickness();
         let mut all = CellStress {
-            moments: [[[0.0; 3]; 3]; 4],
-            areas: [0.0; 4],
+            moments: [[[0.0; 3]; 4]; 6],
+            areas: [0.0; 6],
             total: stresses[..=dim].iter().fold(Sym::ZERO, |sum, s| sum + (size / (dim + 1) as f64) * *s),
             is_linear: true,
         };
@@ -83,13 +83,13 @@ fn traction(
     skeleton: &Skeleton,
     (cell, local): (usize, usize),
     motion: &StepMotion,
-) -> ([Point; 3], f64) {
+) -> ([Point; 4], f64) {
     let (tables, nodes) = (skeleton.tables(cell), skeleton.nodes(laws.mesh, cell));
     let (points, facet) = (&tables.facets[local], &skeleton.facets[skeleton.cells[cell].facets[local]]);
     let own: Vec<u32> = tables.element.facets[local].nodes.iter().map(|&node| nodes[node]).collect();
     let mut map = CellMap::new(laws.mesh, &points.table);
     let mut on_facet = FacetMap::new(laws.mesh, &points.own);
-    let (mut moments, mut area) = ([[0.0; 3]; 3], 0.0);
+    let (mut moments, mut area) = ([[0.0; 3]; 4], 0.0);
     for (q, hats) in points.hats.iter().enumerate() {
         map.at(nodes, q);
         on_facet.at(&own, q);

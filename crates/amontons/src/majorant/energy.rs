@@ -4,6 +4,7 @@
 use super::Refused;
 use super::balance::CellForces;
 use super::discrete::CellStress;
+use super::hexahedron::HexahedronShape;
 use super::revolution::{KnownPoint, RevolvedTriangle};
 use super::shapes::{CellShape, CellShapes, SimplexShape};
 use super::skeleton::Skeleton;
@@ -67,23 +68,22 @@ impl<'a> EnergyEvaluation<'a> {
     /// # Errors
     /// If the stiffness is not positive definite at a point.
     pub fn of_cell(&self, cell: usize, forces: &CellForces) -> Result<CellEnergy<'a>, Refused> {
+        let (shape, facets) = (self.shapes.of(cell), &self.skeleton.cells[cell].facets);
+        if let CellShape::Hexahedron(shape) = shape {
+            return Ok(self.of_hexahedron((cell, shape), forces));
+        }
         let stress = CellStress::new(self.laws, self.skeleton, self.motion, cell);
-        let shape = self.shapes.of(cell);
         let found = match shape {
             CellShape::Simplex(shape) => self.of_simplex((cell, shape), &stress, forces),
             CellShape::Quadrilateral(shape) => {
-                let nodes = self.skeleton.nodes(self.laws.mesh, cell);
-                // The load per volume: its moments are those of a constant.
-                let load = forces.load.iter().fold([0.0; 3], |sum: Point, f| std::array::from_fn(|c| sum[c] + f[c]));
-                let load = load.map(|c| c / forces.volume);
-                let region = self.laws.region(self.skeleton, cell);
+                let (region, nodes) = self.region_and_nodes(cell);
                 let step = (self.laws, self.motion);
-                shape.affine(step, (region, nodes), (&stress.moments, &load), &self.shapes.stresses)
+                shape.affine(step, (region, nodes), (&stress.moments, &forces.load_density()), &self.shapes.stresses)
             }
+            CellShape::Hexahedron(_) => None,
         };
         let (slopes, constant) = found.ok_or_else(|| Refused::new("a stiffness that is not positive"))?;
         let dim = self.laws.mesh.dim;
-        let facets = &self.skeleton.cells[cell].facets;
         let mut energy = CellEnergy {
             gram: shape.gram(),
             discrete: Vec::with_capacity(facets.len() * dim * dim),
@@ -96,6 +96,23 @@ impl<'a> EnergyEvaluation<'a> {
             energy.linear.extend_from_slice(&modes.slopes(slopes)[..dim * dim]);
         }
         Ok(energy)
+    }
+
+    fn region_and_nodes(&self, cell: usize) -> (usize, &'a [u32]) {
+        (self.laws.region(self.skeleton, cell), self.skeleton.nodes(self.laws.mesh, cell))
+    }
+
+    fn of_hexahedron(&self, (cell, shape): (usize, &'a HexahedronShape), forces: &CellForces) -> CellEnergy<'a> {
+        let mut energy = CellEnergy { gram: &shape.gram, discrete: Vec::new(), linear: Vec::new(), constant: 0.0 };
+        let Some(table) = self.shapes.tables[self.skeleton.cells[cell].block].as_ref() else { return energy };
+        let step = (self.laws, self.motion);
+        let (moments, linear, constant) =
+            shape.affine(step, self.region_and_nodes(cell), &forces.load_density(), table);
+        for (&facet, moments) in self.skeleton.cells[cell].facets.iter().zip(&moments) {
+            energy.discrete.extend(self.skeleton.modes[facet].of_moments(moments));
+        }
+        (energy.linear, energy.constant) = (linear, constant);
+        energy
     }
 
     /// The slopes in the moments by facet and slot, and the value, where the moments are those of the discrete stress.

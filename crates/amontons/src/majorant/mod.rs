@@ -19,10 +19,13 @@
 mod balance;
 mod composite;
 mod contact;
+mod cube;
 mod dense;
 mod discrete;
 mod energy;
+mod hexahedron;
 mod modes;
+mod parallelogram;
 mod patches;
 mod quadrilateral;
 mod relax;
@@ -424,7 +427,7 @@ impl MadeStep<'_> {
             volume += weight;
             softness += weight * self.laws.softness(region, &map.position);
         });
-        let (mut load, mut rest) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
+        let (mut load, mut rest) = ([[0.0; 3]; 8], [[0.0; 3]; 8]);
         for ((load, rest), hats) in load.iter_mut().zip(&mut rest).zip(&tables.hats) {
             for ((hat, outer), inner) in hats.iter().zip(&outer).zip(inner) {
                 (0..3).for_each(|c| load[c] += hat * outer[c]);

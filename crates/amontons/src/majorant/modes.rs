@@ -9,11 +9,26 @@
 //!
 //! f the force, N_k = Σ_v (r_v·t_k/ℓ) β_v the couples, and Σ_k t_k × N_k = m the moment over ℓ. The couples without a
 //! moment are tangential and symmetric: one on a side in the plane, three on a triangle.
+//!
+//! On a parallelogram the moments with the bilinear functions have one part more without force and moment, ±H/4 at the
+//! vertices by turns, and the traction has parts without such moments (`parallelogram`).
 
+use super::parallelogram::PARTS;
 use crate::tensor::{Point, dot, length, minus};
 
-/// The components of a linear traction on a facet: force, moment over ℓ, and the couples without a moment, N.
-pub(super) type FacetComponents = [f64; 9];
+/// The components of a traction on a facet: force, moment over ℓ, the couples without a moment, and on a parallelogram
+/// H and the parts without moments, N.
+pub(super) type FacetComponents = [f64; MOST];
+
+/// First component of the parts without moments of a traction on a parallelogram.
+const FIRST_PART: usize = 12;
+/// Components of a traction on a parallelogram, which has most.
+pub(super) const MOST: usize = FIRST_PART + 3 * PARTS;
+
+/// Number of components of a traction on a facet with a number of vertices.
+pub(super) const fn components(dim: usize, vertices: usize) -> usize {
+    if vertices == 4 { MOST } else { dim * dim }
+}
 
 /// Number of components of force and moment.
 pub(super) const fn wrench(dim: usize) -> usize {
@@ -28,30 +43,37 @@ pub(super) fn cross(a: &Point, b: &Point) -> Point {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FacetModes {
     dim: usize,
+    vertices: usize,
     pub centre: Point,
     /// ℓ, m.
     pub size: f64,
     tangents: [Point; 2],
     normal: Point,
     /// r_v·t_k/ℓ per vertex.
-    arms: [[f64; 2]; 3],
+    arms: [[f64; 2]; 4],
     /// g_vk per vertex.
-    weights: [[f64; 2]; 3],
+    weights: [[f64; 2]; 4],
+}
+
+/// ±1 by turns around a parallelogram.
+fn turns(vertex: usize) -> f64 {
+    if vertex.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 impl FacetModes {
-    /// The frame of a facet with these vertices.
+    /// The frame of a facet with these vertices, in their order around a parallelogram.
     pub fn new(dim: usize, vertices: &[Point]) -> FacetModes {
         let n = vertices.len() as f64;
         let centre: Point = std::array::from_fn(|c| vertices.iter().map(|x| x[c]).sum::<f64>() / n);
         let mut modes = FacetModes {
             dim,
+            vertices: vertices.len(),
             centre,
             size: 1.0,
             tangents: [[0.0; 3]; 2],
             normal: [0.0; 3],
-            arms: [[0.0; 2]; 3],
-            weights: [[0.0; 2]; 3],
+            arms: [[0.0; 2]; 4],
+            weights: [[0.0; 2]; 4],
         };
         if dim < 2 {
             return modes;
@@ -100,25 +122,40 @@ impl FacetModes {
         }
     }
 
+    /// Number of components.
+    pub fn components(&self) -> usize {
+        components(self.dim, self.vertices)
+    }
+
+    /// What the components of a traction on a parallelogram have beside force and couples: H and the parts without
+    /// moments.
+    pub fn further<'y>(&self, y: &'y [f64]) -> impl Iterator<Item = Point> + 'y {
+        let count = if self.vertices == 4 { MOST / 3 - 3 } else { 0 };
+        (0..count).map(|part| std::array::from_fn(|c| y[9 + 3 * part + c]))
+    }
+
     /// The moments of the vertices, N.
-    pub fn moments(&self, y: &[f64]) -> [Point; 3] {
-        let (d, couples) = (self.dim, self.couples(y));
-        let of =
-            |g: &[f64; 2]| -> Point {
-                std::array::from_fn(|c| {
-                    if c < d { y[c] / d as f64 + g[0] * couples[0][c] + g[1] * couples[1][c] } else { 0.0 }
-                })
-            };
-        self.weights.map(|g| of(&g))
+    pub fn moments(&self, y: &[f64]) -> [Point; 4] {
+        let (d, n, couples) = (self.dim, self.vertices as f64, self.couples(y));
+        let by_turns = self.further(y).next().unwrap_or([0.0; 3]);
+        std::array::from_fn(|v| {
+            let g = &self.weights[v];
+            let turn = 0.25 * turns(v);
+            let of = |c: usize| y[c] / n + g[0] * couples[0][c] + g[1] * couples[1][c] + turn * by_turns[c];
+            std::array::from_fn(|c| if c < d && v < self.vertices { of(c) } else { 0.0 })
+        })
     }
 
     /// The components of the moments of the vertices.
     pub fn of_moments(&self, moments: &[Point]) -> FacetComponents {
-        let mut y = [0.0; 9];
+        let mut y = [0.0; MOST];
         let mut couples = [[0.0; 3]; 2];
-        for (moment, arm) in moments.iter().zip(&self.arms) {
+        for (v, (moment, arm)) in moments.iter().zip(&self.arms).enumerate().take(self.vertices) {
             for c in 0..self.dim {
                 y[c] += moment[c];
+                if self.vertices == 4 {
+                    y[9 + c] += turns(v) * moment[c];
+                }
                 (0..2).for_each(|k| couples[k][c] += arm[k] * moment[c]);
             }
         }
@@ -137,12 +174,15 @@ impl FacetModes {
 
     /// The slope in the components of a function whose slope in the moments is known.
     pub fn slopes(&self, of_moments: &[Point]) -> FacetComponents {
-        let d = self.dim;
-        let mut y = [0.0; 9];
+        let (d, n) = (self.dim, self.vertices as f64);
+        let mut y = [0.0; MOST];
         let mut couples = [[0.0; 3]; 2];
-        for (slope, g) in of_moments.iter().zip(&self.weights) {
+        for (v, (slope, g)) in of_moments.iter().zip(&self.weights).enumerate().take(self.vertices) {
             for c in 0..d {
-                y[c] += slope[c] / d as f64;
+                y[c] += slope[c] / n;
+                if self.vertices == 4 {
+                    y[9 + c] += 0.25 * turns(v) * slope[c];
+                }
                 (0..2).for_each(|k| couples[k][c] += g[k] * slope[c]);
             }
         }
@@ -167,13 +207,14 @@ mod tests {
     /// Components give their moments back, force and moment are those of the vertices, and slopes are the transpose.
     #[test]
     fn components_are_moments_in_another_frame() {
-        for dim in 1..=3 {
-            let vertices = [[0.3, -0.2, 0.1], [1.4, 0.9, -0.3], [0.1, 1.2, 0.8]]
+        for (dim, n) in [(1, 1), (2, 2), (3, 3), (3, 4)] {
+            // The last one makes a parallelogram of the others.
+            let vertices = [[0.3, -0.2, 0.1], [1.4, 0.9, -0.3], [0.1, 1.2, 0.8], [-1.0, 0.1, 1.2]]
                 .map(|x: Point| std::array::from_fn::<f64, 3, _>(|c| if c < dim { x[c] } else { 0.0 }));
-            let vertices = &vertices[..dim];
+            let vertices = &vertices[..n];
             let modes = FacetModes::new(dim, vertices);
-            let given: Vec<Point> = (0..dim)
-                .map(|v| std::array::from_fn(|c| if c < dim { (1.7 * v as f64 + c as f64).sin() } else { 0.0 }))
+            let given: Vec<Point> = (0..n)
+                .map(|v| std::array::from_fn(|c| if c < dim { (1.7 * (v * v) as f64 + c as f64).sin() } else { 0.0 }))
                 .collect();
             let y = modes.of_moments(&given);
             let back = modes.moments(&y);
@@ -181,7 +222,7 @@ mod tests {
                 assert!((0..3).all(|c| (a[c] - b[c]).abs() < 1e-14), "{dim}: {a:?} {b:?}");
             }
             let sum =
-                |of: &dyn Fn(usize) -> Point| -> Point { std::array::from_fn(|c| (0..dim).map(|v| of(v)[c]).sum()) };
+                |of: &dyn Fn(usize) -> Point| -> Point { std::array::from_fn(|c| (0..n).map(|v| of(v)[c]).sum()) };
             let force = sum(&|v| given[v]);
             let moment = sum(&|v| cross(&minus(&vertices[v], &modes.centre), &given[v]));
             assert!((0..dim).all(|c| (force[c] - y[c]).abs() < 1e-14));

@@ -9,8 +9,8 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::balance::FacetGiven;
-use super::dense::{Semidefinite, product};
-use super::modes::{FacetModes, cross, wrench};
+use super::dense::{Semidefinite, kernel, product};
+use super::modes::{FacetModes, MOST, components, cross, wrench};
 use super::shapes::CellShapes;
 use super::skeleton::Skeleton;
 use crate::mesh::Mesh;
@@ -32,6 +32,8 @@ struct PatchFacet {
 #[derive(Debug)]
 struct FacetPatch {
     facets: Vec<PatchFacet>,
+    /// Components of the traction on each facet.
+    count: usize,
     has_wrench: bool,
     factor: usize,
 }
@@ -65,6 +67,8 @@ struct PatchFactor {
 #[derive(Debug)]
 pub(super) struct Patches {
     dim: usize,
+    /// Distance of the components of a facet from those of the next one.
+    stride: usize,
     all: Vec<FacetPatch>,
     factors: Vec<PatchFactor>,
 }
@@ -89,12 +93,10 @@ impl PatchData<'_> {
             if self.dim() < 2 || self.given[facet].is_known() {
                 continue;
             }
-            for (i, &a) in of.vertices.iter().enumerate() {
-                if self.dim() == 2 {
-                    all.push(([a, a], facet));
-                } else {
-                    all.extend(of.vertices[i + 1..].iter().map(|&b| ([a, b], facet)));
-                }
+            // Vertices in the plane, and edges in space.
+            for (&a, &next) in of.vertices.iter().zip(of.vertices.iter().cycle().skip(1)) {
+                let b = if self.dim() == 2 { a } else { next };
+                all.push(([a.min(b), a.max(b)], facet));
             }
         }
         all.par_sort_unstable();
@@ -168,15 +170,21 @@ impl PatchData<'_> {
                 scale: size / own,
             }
         };
-        (FacetPatch { facets: members.iter().map(of_facet).collect(), has_wrench, factor: 0 }, cells)
+        let vertices = members.first().map_or(0, |&slot| self.skeleton.facets[facets[slot]].vertices.len());
+        let count = components(self.dim(), vertices);
+        (FacetPatch { facets: members.iter().map(of_facet).collect(), count, has_wrench, factor: 0 }, cells)
     }
 
-    /// What tells factors apart; `None` for a patch with a facet of which a part is known.
-    fn key(&self, patch: &FacetPatch, cells: &[PatchCell]) -> Option<Vec<u32>> {
-        if patch.facets.iter().any(|of| !self.given[of.facet].is_whole(self.dim())) {
-            return None;
-        }
+    /// What tells factors apart.
+    fn key(&self, patch: &FacetPatch, cells: &[PatchCell]) -> Vec<u32> {
         let mut key = vec![patch.facets.len() as u32];
+        // Directions in which a part is known, in units of far more than round-off.
+        for of in patch.facets.iter().map(|of| &self.given[of.facet]) {
+            if !of.is_whole(self.dim()) {
+                key.extend(of.free.iter().flatten().map(|x| (x * f64::from(1 << 28)).round() as i32 as u32));
+            }
+            key.push(u32::MAX);
+        }
         for cell in cells {
             key.push(self.shapes.of_cell[cell.cell]);
             let of =
@@ -184,7 +192,7 @@ impl PatchData<'_> {
             key.extend(cell.facets().iter().flat_map(of));
             key.push(u32::MAX);
         }
-        Some(key)
+        key
     }
 
     /// The factor of the energy of a patch.
@@ -209,20 +217,21 @@ impl PatchData<'_> {
     fn known_components(&self, patch: &FacetPatch) -> Vec<Vec<f64>> {
         let (d, n) = (self.dim(), patch.size(self.dim()));
         let mut rows = Vec::new();
-        for of in &patch.facets {
+        for (slot, of) in patch.facets.iter().enumerate() {
             let modes = &self.skeleton.modes[of.facet];
             let columns: Vec<Vec<Point>> = (0..n)
                 .map(|k| {
                     let mut x = vec![0.0; n];
                     x[k] = 1.0;
-                    let slot = patch.facets.iter().position(|own| own.facet == of.facet).unwrap_or(0);
-                    let y = patch.of_facet(d, slot, &x);
-                    let couples = modes.couples(&y);
-                    [std::array::from_fn(|c| if c < d { y[c] } else { 0.0 }), couples[0], couples[1]].to_vec()
+                    let mut y = [0.0; MOST];
+                    patch.add_of_facet(d, slot, &x, &mut y[..patch.count]);
+                    let force = std::array::from_fn(|c| if c < d { y[c] } else { 0.0 });
+                    let couples = modes.couples(&y).into_iter().take(d - 1);
+                    std::iter::once(force).chain(couples).chain(modes.further(&y)).collect()
                 })
                 .collect();
             for kept in self.given[of.facet].kept(d) {
-                for part in 0..d {
+                for part in 0..columns.first().map_or(0, Vec::len) {
                     let row = columns.iter().map(|parts| crate::tensor::dot(&kept, &parts[part])).collect();
                     rows.push(row);
                 }
@@ -232,77 +241,34 @@ impl PatchData<'_> {
     }
 }
 
-/// Remainder of a row, relative to the row, below which it depends on those before.
-const DEPENDENT: f64 = 1e-9;
-
-/// An orthonormal basis of the vectors of which the products with all rows vanish.
-fn kernel(rows: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    let add = |basis: &mut Vec<Vec<f64>>, row: &[f64], least: f64| {
-        let size = product(row, row).sqrt();
-        let mut rest = row.to_vec();
-        for _ in 0..2 {
-            for known in basis.iter() {
-                let along = product(known, &rest);
-                rest.iter_mut().zip(known).for_each(|(x, y)| *x -= along * y);
-            }
-        }
-        let left = product(&rest, &rest).sqrt();
-        let is_new = left > least * size;
-        if is_new {
-            basis.push(rest.iter().map(|x| x / left).collect());
-        }
-        is_new
-    };
-    for row in rows {
-        add(&mut basis, row, DEPENDENT);
-    }
-    let known = basis.len();
-    // Of n units, at least n − r leave a remainder of at least 1/√n.
-    let mut order: Vec<(usize, f64)> =
-        (0..n).map(|k| (k, basis.iter().map(|row| row[k] * row[k]).sum::<f64>())).collect();
-    order.sort_by(|a, b| a.1.total_cmp(&b.1));
-    for (k, _) in order {
-        if basis.len() == n {
-            break;
-        }
-        let unit: Vec<f64> = (0..n).map(|j| f64::from(u8::from(j == k))).collect();
-        add(&mut basis, &unit, 1e-3);
-    }
-    basis.split_off(known)
-}
-
 impl FacetPatch {
     /// Number of unknowns: the wrench, and per facet the tractions without one.
     fn size(&self, d: usize) -> usize {
-        let of_facets = self.facets.len() * (d * d - wrench(d));
+        let of_facets = self.facets.len() * (self.count - wrench(d));
         of_facets + if self.has_wrench { wrench(d) } else { 0 }
     }
 
     /// First unknown of a facet.
     fn first(&self, d: usize, slot: usize) -> usize {
-        slot * (d * d - wrench(d)) + if self.has_wrench { wrench(d) } else { 0 }
+        slot * (self.count - wrench(d)) + if self.has_wrench { wrench(d) } else { 0 }
     }
 
-    /// The components of a facet from the unknowns of the patch.
-    fn of_facet(&self, d: usize, slot: usize, x: &[f64]) -> [f64; 9] {
+    /// Adds the components of a facet from the unknowns of the patch.
+    fn add_of_facet(&self, d: usize, slot: usize, x: &[f64], y: &mut [f64]) {
         let (PatchFacet { turn, arm, scale, .. }, w) = (&self.facets[slot], wrench(d));
-        let mut y = [0.0; 9];
         if self.has_wrench {
-            (0..d).for_each(|c| y[c] = turn * x[c]);
+            (0..d).for_each(|c| y[c] += turn * x[c]);
             if d == 2 {
-                y[2] = turn * (scale * x[2] + arm[0] * x[1] - arm[1] * x[0]);
+                y[2] += turn * (scale * x[2] + arm[0] * x[1] - arm[1] * x[0]);
             } else {
                 let moment = cross(arm, &[x[0], x[1], x[2]]);
-                (0..3).for_each(|c| y[3 + c] = turn * (scale * x[3 + c] + moment[c]));
+                (0..3).for_each(|c| y[3 + c] += turn * (scale * x[3 + c] + moment[c]));
             }
         }
-        let first = self.first(d, slot);
-        y[w..d * d].copy_from_slice(&x[first..first + d * d - w]);
-        y
+        y[w..].iter_mut().zip(&x[self.first(d, slot)..]).for_each(|(y, x)| *y += x);
     }
 
-    /// Adds the transpose of `of_facet` of components of a facet to a vector of the patch.
+    /// Adds the transpose of `add_of_facet` of components of a facet to a vector of the patch.
     fn add_transposed(&self, d: usize, slot: usize, y: &[f64], x: &mut [f64]) {
         let (PatchFacet { turn, arm, scale, .. }, w) = (&self.facets[slot], wrench(d));
         if self.has_wrench {
@@ -310,8 +276,7 @@ impl FacetPatch {
             (0..d).for_each(|c| x[c] += turn * (y[c] + back[c]));
             (d..w).for_each(|c| x[c] += turn * scale * y[c]);
         }
-        let first = self.first(d, slot);
-        x[first..first + d * d - w].iter_mut().zip(&y[w..d * d]).for_each(|(x, y)| *x += y);
+        x[self.first(d, slot)..].iter_mut().zip(&y[w..self.count]).for_each(|(x, y)| *x += y);
     }
 }
 
@@ -346,7 +311,7 @@ impl PatchMatrix<'_> {
         (other, b): (usize, usize),
         (sign, matrix): (f64, &mut [Vec<f64>]),
     ) {
-        let (d, k, w) = (self.d, self.d * self.d, wrench(self.d));
+        let (d, k, w) = (self.d, self.patch.count, wrench(self.d));
         let row = |i: usize| &gram[(a * k + i) * n + b * k..][..k];
         let (first, second) = (self.patch.first(d, slot), self.patch.first(d, other));
         if slot >= other {
@@ -360,9 +325,9 @@ impl PatchMatrix<'_> {
             return;
         }
         // Rows of the block times the wrench on the other facet.
-        let mut images = [[0.0; 6]; 9];
+        let mut images = [[0.0; 6]; MOST];
         for (i, image) in images.iter_mut().enumerate().take(k) {
-            let mut y = [0.0; 9];
+            let mut y = [0.0; 6];
             y[..w].copy_from_slice(&row(i)[..w]);
             self.patch.add_wrench(d, other, &y, image);
         }
@@ -372,7 +337,7 @@ impl PatchMatrix<'_> {
             }
         }
         for j in 0..w {
-            let mut y = [0.0; 9];
+            let mut y = [0.0; 6];
             (0..w).for_each(|i| y[i] = images[i][j]);
             let mut column = [0.0; 6];
             self.patch.add_wrench(d, slot, &y, &mut column);
@@ -383,7 +348,7 @@ impl PatchMatrix<'_> {
 
 impl FacetPatch {
     /// The part of the wrench of `add_transposed`.
-    fn add_wrench(&self, d: usize, slot: usize, y: &[f64; 9], x: &mut [f64; 6]) {
+    fn add_wrench(&self, d: usize, slot: usize, y: &[f64; 6], x: &mut [f64; 6]) {
         let PatchFacet { turn, arm, scale, .. } = &self.facets[slot];
         let back = if d == 2 { [0.0 - y[2] * arm[1], y[2] * arm[0], 0.0] } else { cross(&[y[3], y[4], y[5]], arm) };
         (0..d).for_each(|c| x[c] += turn * (y[c] + back[c]));
@@ -398,22 +363,19 @@ impl Patches {
         let runs: Vec<&[([u32; 2], usize)]> = stars.chunk_by(|a, b| a.0 == b.0).collect();
         let mut made: Vec<(FacetPatch, Vec<PatchCell>)> =
             runs.into_par_iter().flat_map_iter(|run| data.patches(run[0].0, run)).collect();
-        let keys: Vec<Option<Vec<u32>>> = made.par_iter().map(|(patch, cells)| data.key(patch, cells)).collect();
+        let keys: Vec<Vec<u32>> = made.par_iter().map(|(patch, cells)| data.key(patch, cells)).collect();
         let (mut known, mut first) = (HashMap::new(), Vec::new());
         for (number, ((patch, _), key)) in made.iter_mut().zip(keys).enumerate() {
-            let mut add = || {
+            let add = || {
                 first.push(number);
                 first.len() - 1
             };
-            patch.factor = match key {
-                Some(key) => *known.entry(key).or_insert_with(add),
-                None => add(),
-            };
+            patch.factor = *known.entry(key).or_insert_with(add);
         }
         let factor = |number: usize| data.factor(&made[number].0, &made[number].1);
         let factors = first.into_par_iter().map(factor).collect();
         let all = made.into_iter().map(|(patch, _)| patch).collect();
-        Patches { dim: data.dim(), all, factors }
+        Patches { dim: data.dim(), stride: data.skeleton.stride, all, factors }
     }
 
     /// True if there is nothing to lower.
@@ -423,7 +385,7 @@ impl Patches {
 
     /// The sum of the solutions of the patches for a residual, by facet and component. `work` is kept between calls.
     pub fn preconditioned(&self, rest: &[f64], work: &mut Vec<f64>) -> Vec<f64> {
-        let (d, k) = (self.dim, self.dim * self.dim);
+        let (d, k) = (self.dim, self.stride);
         let solve = |(patch, x): (&FacetPatch, &mut [f64])| {
             x.fill(0.0);
             for (slot, of) in patch.facets.iter().enumerate() {
@@ -446,8 +408,7 @@ impl Patches {
             let (x, after) = left.split_at(patch.size(d));
             left = after;
             for (slot, of) in patch.facets.iter().enumerate() {
-                let y = patch.of_facet(d, slot, x);
-                sum[of.facet * k..][..k].iter_mut().zip(&y).for_each(|(sum, y)| *sum += y);
+                patch.add_of_facet(d, slot, x, &mut sum[of.facet * k..][..patch.count]);
             }
         }
         sum
@@ -463,25 +424,4 @@ pub(super) fn split(whole: &mut [f64], lengths: impl Iterator<Item = usize>) -> 
         left = after;
     }
     parts
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The kernel is orthonormal, annihilates the rows, and has the dimension that remains.
-    #[test]
-    fn a_kernel_annihilates_rows_that_depend_on_each_other() {
-        let row = |seed: f64| -> Vec<f64> { (0..7).map(|k| (seed + 1.9 * f64::from(k)).sin()).collect() };
-        let (a, b) = (row(0.3), row(1.1));
-        let both: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 2.0 * a - b).collect();
-        let found = kernel(&[a.clone(), b.clone(), both, vec![0.0; 7]], 7);
-        assert_eq!(found.len(), 5);
-        for (i, v) in found.iter().enumerate() {
-            assert!(product(v, &a).abs() < 1e-14 && product(v, &b).abs() < 1e-14);
-            for (j, other) in found.iter().enumerate() {
-                assert!((product(v, other) - f64::from(u8::from(i == j))).abs() < 1e-14);
-            }
-        }
-    }
 }

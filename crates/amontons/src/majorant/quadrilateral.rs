@@ -216,7 +216,7 @@ impl QuadrilateralShape {
         &self,
         (laws, motion): (&StepLaws, &StepMotion),
         (region, nodes): (usize, &[u32]),
-        (sides, load): (&[[Point; 3]], &Point),
+        (sides, load): (&[[Point; 4]], &Point),
         stresses: &ReferenceStresses,
     ) -> Option<(Vec<Point>, f64)> {
         let is_linear = self.is_linear(laws, region, motion);
@@ -315,11 +315,14 @@ impl QuadrilateralShape {
         &self,
         (laws, motion): (&StepLaws, &StepMotion),
         (region, nodes): (usize, &[u32]),
-        sides: &[[Point; 3]],
+        sides: &[[Point; 4]],
         is_linear: bool,
     ) -> Vec<f64> {
-        let mut all: Vec<f64> =
-            sides.iter().flat_map(|side| side[..2].iter().flat_map(|moment| moment[..2].iter().copied())).collect();
+        let mut all: Vec<f64> = sides
+            .iter()
+            .take(4)
+            .flat_map(|side| side[..2].iter().flat_map(|moment| moment[..2].iter().copied()))
+            .collect();
         let corners = if is_linear { self.at_corners(laws, motion, (region, nodes)) } else { Vec::new() };
         for (i, triangle) in self.triangles.iter().enumerate() {
             // Length times normal, out of triangle i, of the side opposite to its second vertex.

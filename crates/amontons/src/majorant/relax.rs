@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use super::Refused;
 use super::balance::{CellForces, FacetGiven, FacetMoments};
 use super::energy::CellEnergy;
-use super::modes::cross;
+use super::modes::{FacetModes, MOST, cross};
 use super::patches::{Patches, split};
 use super::skeleton::Skeleton;
 use crate::mesh::Mesh;
 use crate::tensor::{Point, dot, length};
 
-/// Components of the tractions of a tetrahedron, which has most.
-const LARGEST: usize = 36;
+/// Components of the tractions of a hexahedron, which has most.
+const LARGEST: usize = 6 * MOST;
 /// Iterations: more change the bound by few percent.
 const ITERATIONS: usize = 4;
 /// Part of the energy that an iteration has to lower for another one to follow: half of it is that of the bound.
@@ -34,27 +34,25 @@ pub(super) struct TractionDescent<'a> {
 }
 
 impl<'a> TractionDescent<'a> {
-    fn per_facet(&self) -> usize {
-        self.mesh.dim * self.mesh.dim
-    }
-
     /// Sets the components of a cell, outward.
     fn gather(&self, cell: usize, y: &[f64], own: &mut [f64]) {
-        let k = self.per_facet();
-        for (&facet, own) in self.skeleton.cells[cell].facets.iter().zip(own.chunks_exact_mut(k)) {
+        let (stride, facets) = (self.skeleton.stride, &self.skeleton.cells[cell].facets);
+        let k = own.len() / facets.len();
+        for (&facet, own) in facets.iter().zip(own.chunks_exact_mut(k)) {
             let sign = self.skeleton.facets[facet].sign(cell);
-            own.iter_mut().zip(&y[facet * k..]).for_each(|(own, y)| *own = sign * y);
+            own.iter_mut().zip(&y[facet * stride..]).for_each(|(own, y)| *own = sign * y);
         }
     }
 
     /// Σ of vectors of the cells, by facet.
     fn summed(&self, cells: &[&mut [f64]]) -> Vec<f64> {
-        let k = self.per_facet();
-        let mut sum = vec![0.0; k * self.skeleton.facets.len()];
-        sum.par_chunks_exact_mut(k).zip(&self.skeleton.facets).for_each(|(sum, of)| {
+        let stride = self.skeleton.stride;
+        let mut sum = vec![0.0; stride * self.skeleton.facets.len()];
+        sum.par_chunks_exact_mut(stride).zip(&self.skeleton.facets).for_each(|(sum, of)| {
             for &(cell, local) in &of.cells {
                 let sign = of.sign(cell);
-                sum.iter_mut().zip(&cells[cell][local * k..]).for_each(|(sum, x)| *sum += sign * x);
+                let k = cells[cell].len() / self.skeleton.cells[cell].facets.len();
+                sum.iter_mut().zip(&cells[cell][local * k..][..k]).for_each(|(sum, x)| *sum += sign * x);
             }
         });
         sum
@@ -98,9 +96,9 @@ impl<'a> TractionDescent<'a> {
     /// # Errors
     /// If round-off leaves a cell out of balance.
     pub fn least(&self, first: &FacetMoments, forces: &[CellForces]) -> Result<Vec<f64>, Refused> {
-        let (d, k) = (self.mesh.dim, self.per_facet());
+        let stride = self.skeleton.stride;
         let modes = self.skeleton.modes.iter().zip(first);
-        let mut y: Vec<f64> = modes.flat_map(|(modes, own)| modes.of_moments(&own[..d]).into_iter().take(k)).collect();
+        let mut y: Vec<f64> = modes.flat_map(|(modes, own)| modes.of_moments(own).into_iter().take(stride)).collect();
         let (mut by_cell, mut by_patch) = (Vec::new(), Vec::new());
         let (mut rest, cells) = self.slopes(&y, &mut by_cell);
         let mut energy: f64 = cells.iter().sum();
@@ -134,14 +132,14 @@ impl<'a> TractionDescent<'a> {
 
     /// Checks the balance of all cells, and that known components have been kept.
     fn check(&self, y: &[f64], forces: &[CellForces]) -> Result<(), Refused> {
-        let (d, k) = (self.mesh.dim, self.per_facet());
+        let (d, stride) = (self.mesh.dim, self.skeleton.stride);
         let largest = y.iter().fold(0.0, |m: f64, y| m.max(y.abs()));
         let largest = forces.iter().flat_map(|cell| &cell.load).map(length).fold(largest, f64::max);
         let largest = self.given.iter().map(|facet| facet.size).fold(largest, f64::max);
         // Round-off has the size of the stresses, which need not have forces: those of one cell may cancel.
         let largest = self.energies.iter().map(CellEnergy::size).fold(largest, f64::max);
-        let moments: FacetMoments =
-            self.skeleton.modes.par_iter().zip(y.par_chunks_exact(k)).map(|(modes, y)| modes.moments(y)).collect();
+        let all = || self.skeleton.modes.par_iter().zip(y.par_chunks_exact(stride));
+        let moments: FacetMoments = all().map(|(modes, y)| modes.moments(y)).collect();
         let is_wrong = |cell: usize| {
             let nodes = self.skeleton.nodes(self.mesh, cell);
             let at = |node: u32| &self.mesh.points[node as usize];
@@ -165,14 +163,17 @@ impl<'a> TractionDescent<'a> {
         if (0..self.energies.len()).into_par_iter().any(is_wrong) {
             return Err(Refused::new("round-off: the tractions of a cell are not in balance"));
         }
-        let is_changed = |(given, moments): (&FacetGiven, &[Point; 3])| {
+        let is_changed = |((given, moments), (modes, y)): ((&FacetGiven, &[Point; 4]), (&FacetModes, &[f64]))| {
             let kept = given.kept(d);
-            given.moments.iter().zip(moments).any(|(known, own)| {
-                let off = |row: &Point| (dot(row, known) - dot(row, own)).abs();
-                kept.iter().map(off).any(|off| off.is_nan() || off > UNBALANCED * largest)
-            })
+            // The known tractions have no part without moments.
+            let has_part = |part: Point| kept.iter().any(|row| dot(row, &part).abs() > UNBALANCED * largest);
+            modes.further(y).skip(1).any(has_part)
+                || given.moments.iter().zip(moments).any(|(known, own)| {
+                    let off = |row: &Point| (dot(row, known) - dot(row, own)).abs();
+                    kept.iter().map(off).any(|off| off.is_nan() || off > UNBALANCED * largest)
+                })
         };
-        if self.given.par_iter().zip(&moments).any(is_changed) {
+        if self.given.par_iter().zip(&moments).zip(all()).any(is_changed) {
             return Err(Refused::new("round-off: the tractions on a side are not those that act there"));
         }
         Ok(())

@@ -67,14 +67,26 @@ fn check_revolution(mesh: &Mesh) -> Result<(), Refused> {
 /// up.
 const PER_CELL: [f64; 3] = [4e3, 16e3, 40e3];
 
+/// Bytes that a hexahedron takes beside these if no other is like it: measured with Q2, and rounded up.
+const PER_HEXAHEDRON: f64 = 1.3e6;
+
 /// Refuses a mesh whose bound does not fit into memory.
 pub(super) fn check_memory(mesh: &Mesh, free: Option<FreeMemory>) -> Result<(), Refused> {
-    const GIGABYTE: f64 = 1e9;
     let cells = mesh.cell_count();
-    let need = cells as f64 * PER_CELL[mesh.dim.clamp(1, 3) - 1];
+    fits(&format!("{cells} cells"), cells as f64 * PER_CELL[mesh.dim.clamp(1, 3) - 1], free)
+}
+
+/// Refuses more hexahedra that are not alike than fit into memory.
+pub(super) fn check_hexahedra(count: usize, free: Option<FreeMemory>) -> Result<(), Refused> {
+    fits(&format!("{count} hexahedra that are not alike"), count as f64 * PER_HEXAHEDRON, free)
+}
+
+/// Refuses what needs more bytes than are free.
+fn fits(what: &str, need: f64, free: Option<FreeMemory>) -> Result<(), Refused> {
+    const GIGABYTE: f64 = 1e9;
     match free {
         Some(FreeMemory { bytes, .. }) if need > bytes => Err(Refused(format!(
-            "{cells} cells, whose bound takes about {:.2} GB of memory, and {:.2} GB are free",
+            "{what}, whose bound takes about {:.2} GB of memory, and {:.2} GB are free",
             need / GIGABYTE,
             bytes / GIGABYTE
         ))),
@@ -256,6 +268,11 @@ mod tests {
             (mesh.cell_count(), check_memory(&mesh, free(2e7)), check_memory(&mesh, None)),
             (162, Ok(()), Ok(()))
         );
+        assert_eq!((check_hexahedra(100, free(2e8)), check_hexahedra(100, None)), (Ok(()), Ok(())));
+        let told = check_hexahedra(100, free(1e8)).err().map(|refused| refused.reason().to_owned());
+        let expected =
+            "100 hexahedra that are not alike, whose bound takes about 0.13 GB of memory, and 0.10 GB are free";
+        assert_eq!(told.as_deref(), Some(expected));
         let told = check_memory(&mesh, free(6e6)).err().map(|refused| refused.reason().to_owned());
         assert_eq!(told.as_deref(), Some("162 cells, whose bound takes about 0.01 GB of memory, and 0.01 GB are free"));
     }

@@ -5,14 +5,20 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::Refused;
+use super::cube::{CubeStresses, NodalProducts};
 use super::dense::congruent;
+use super::hexahedron::{CubeProducts, HexahedronShape};
+use super::parallelogram::PieceMoments;
 use super::quadrilateral::{QuadrilateralShape, is_distorted};
 use super::revolution::RevolvedTriangle;
+use super::scope;
 use super::simplex::{ReferenceStresses, SimplexForm, form, vertex};
 use super::skeleton::{ElementTables, Skeleton};
 use super::stress::StepLaws;
 use crate::element::{Element, ShapeTable};
+use crate::machine;
 use crate::mesh::CellMap;
+use crate::quadrature::Shape;
 use crate::tensor::Point;
 
 /// The shape of a simplex.
@@ -28,6 +34,7 @@ pub(super) struct SimplexShape {
 pub(super) enum CellShape {
     Simplex(Box<SimplexShape>),
     Quadrilateral(Box<QuadrilateralShape>),
+    Hexahedron(Box<HexahedronShape>),
 }
 
 impl CellShape {
@@ -36,6 +43,7 @@ impl CellShape {
         match self {
             CellShape::Simplex(shape) => &shape.gram,
             CellShape::Quadrilateral(shape) => &shape.gram,
+            CellShape::Hexahedron(shape) => &shape.gram,
         }
     }
 }
@@ -47,7 +55,7 @@ pub(super) struct CellShapes {
     pub shapes: Vec<CellShape>,
     /// The shape of each cell.
     pub of_cell: Vec<u32>,
-    /// The points of the parts of a simplex in the cells of each block of simplices.
+    /// The points of the parts of a simplex in the cells of each block of simplices, and the nodes of hexahedra.
     pub tables: Vec<Option<ShapeTable>>,
 }
 
@@ -83,7 +91,7 @@ impl CellShapes {
         let is_distorted = (0..skeleton.cells.len()).any(|cell| {
             let element = skeleton.tables(cell).element;
             let at = |i: usize| laws.mesh.points[skeleton.nodes(laws.mesh, cell)[i] as usize];
-            !element.is_simplex() && is_distorted(&[0, 1, 2, 3].map(at))
+            element.shape == Shape::Quadrilateral && is_distorted(&[0, 1, 2, 3].map(at))
         });
         let dim = laws.mesh.dim;
         let degree = |of: &ElementTables| {
@@ -109,7 +117,11 @@ impl CellShapes {
                 std::array::from_fn(|c| in_simplex.iter().zip(element.nodes).map(|(a, x)| a * x[c]).sum())
             };
             let points = stresses.points.iter().map(|point| at(&point.in_simplex));
-            element.is_simplex().then(|| ShapeTable::at(element, &points.collect::<Vec<_>>()))
+            match element.shape {
+                Shape::Quadrilateral => None,
+                Shape::Hexahedron => Some(ShapeTable::at(element, element.nodes)),
+                _ => Some(ShapeTable::at(element, &points.collect::<Vec<_>>())),
+            }
         };
         let tables: Vec<Option<ShapeTable>> = skeleton.tables.iter().map(|tables| table(tables.element)).collect();
         let keys: Vec<Vec<i64>> =
@@ -122,15 +134,11 @@ impl CellShapes {
             });
             of_cell.push(number);
         }
+        let is_hexahedron = |cell: &&usize| skeleton.tables(**cell).element.shape == Shape::Hexahedron;
+        scope::check_hexahedra(first.iter().filter(is_hexahedron).count(), machine::memory())?;
+        let hexahedra = Hexahedra::new(skeleton);
         let shape = |cell: usize| {
-            let table = tables[skeleton.cells[cell].block].as_ref();
-            let shape = match table {
-                Some(table) => {
-                    simplex(laws, skeleton, cell, (&stresses, table)).map(|shape| CellShape::Simplex(Box::new(shape)))
-                }
-                None => QuadrilateralShape::new(laws, skeleton, cell, &stresses)
-                    .map(|shape| CellShape::Quadrilateral(Box::new(shape))),
-            };
+            let shape = one(laws, skeleton, cell, (&stresses, &tables, &hexahedra));
             shape.ok_or_else(|| Refused::new("a stiffness that is not positive"))
         };
         let shapes = first.into_par_iter().map(shape).collect::<Result<Vec<CellShape>, Refused>>()?;
@@ -140,6 +148,52 @@ impl CellShapes {
     /// The shape of a cell.
     pub fn of(&self, cell: usize) -> &CellShape {
         &self.shapes[self.of_cell[cell] as usize]
+    }
+}
+
+/// The shape of one cell; `None` if its stiffness is not positive definite.
+fn one(
+    laws: &StepLaws,
+    skeleton: &Skeleton,
+    cell: usize,
+    (stresses, tables, hexahedra): (&ReferenceStresses, &[Option<ShapeTable>], &Hexahedra),
+) -> Option<CellShape> {
+    let block = skeleton.cells[cell].block;
+    match (&tables[block], hexahedra.of_block(block)) {
+        (_, Some(cube)) => {
+            HexahedronShape::new(laws, skeleton, cell, &cube).map(|shape| CellShape::Hexahedron(Box::new(shape)))
+        }
+        (Some(table), _) => {
+            simplex(laws, skeleton, cell, (stresses, table)).map(|shape| CellShape::Simplex(Box::new(shape)))
+        }
+        (None, _) => QuadrilateralShape::new(laws, skeleton, cell, stresses)
+            .map(|shape| CellShape::Quadrilateral(Box::new(shape))),
+    }
+}
+
+/// What the hexahedra of a mesh need, if there are any.
+struct Hexahedra {
+    cube: Option<(CubeStresses, PieceMoments)>,
+    /// Per block.
+    nodal: Vec<Option<NodalProducts>>,
+}
+
+impl Hexahedra {
+    fn new(skeleton: &Skeleton) -> Hexahedra {
+        let is_hexahedron = |of: &ElementTables| of.element.shape == Shape::Hexahedron;
+        let has_any = skeleton.tables.iter().any(is_hexahedron);
+        let cube = has_any.then(|| (CubeStresses::new(), PieceMoments::new()));
+        let of_block = |of: &ElementTables| {
+            let (stresses, _) = cube.as_ref().filter(|_| is_hexahedron(of))?;
+            Some(NodalProducts::new(stresses, of.element))
+        };
+        let nodal = skeleton.tables.iter().map(of_block).collect();
+        Hexahedra { cube, nodal }
+    }
+
+    fn of_block(&self, block: usize) -> Option<CubeProducts<'_>> {
+        let ((stresses, pieces), nodal) = (self.cube.as_ref()?, self.nodal.get(block)?.as_ref()?);
+        Some(CubeProducts { stresses, pieces, nodal })
     }
 }
 

@@ -66,22 +66,7 @@ impl ReferenceStresses {
     pub fn new(dim: usize, degree: usize) -> ReferenceStresses {
         let (n, m) = (dim + 1, mandel_len(dim));
         let composite = Composite::new(dim);
-        let mut fields: Vec<Vec<Sym>> = Vec::new();
-        for facet in 0..n {
-            for vertex in (0..n).filter(|&vertex| vertex != facet) {
-                for r in 0..dim {
-                    let mut data = vec![0.0; Composite::data(dim)];
-                    data[Composite::place(dim, facet, vertex) + r] = 1.0;
-                    // The arm of the vertex from the centre.
-                    let arm = |c: usize| f64::from(u8::from(vertex == c + 1)) - 1.0 / n as f64;
-                    for (k, &(i, j)) in MANDEL.iter().enumerate().take(m) {
-                        let [a, b] = [(i, j), (j, i)].map(|(i, j)| if i == r { arm(j) } else { 0.0 });
-                        data[ReferenceStresses::moments(dim) + k] = 0.5 * (a + b);
-                    }
-                    fields.push((0..n * n).map(|at| composite.at_node(&data, at / n, at % n)).collect());
-                }
-            }
-        }
+        let mut fields = moment_fields_of(&composite);
         for k in 0..m {
             let mut data = vec![0.0; Composite::data(dim)];
             data[ReferenceStresses::moments(dim) + k] = 1.0;
@@ -116,6 +101,34 @@ impl ReferenceStresses {
         }
         sum
     }
+}
+
+/// The stresses of the reference simplex at the nodes of its parts, one per moment, with the mean of a stress in
+/// balance.
+pub(super) fn moment_fields(dim: usize) -> Vec<Vec<Sym>> {
+    moment_fields_of(&Composite::new(dim))
+}
+
+fn moment_fields_of(composite: &Composite) -> Vec<Vec<Sym>> {
+    let dim = composite.dim;
+    let (n, m) = (dim + 1, mandel_len(dim));
+    let mut fields: Vec<Vec<Sym>> = Vec::new();
+    for facet in 0..n {
+        for vertex in (0..n).filter(|&vertex| vertex != facet) {
+            for r in 0..dim {
+                let mut data = vec![0.0; Composite::data(dim)];
+                data[Composite::place(dim, facet, vertex) + r] = 1.0;
+                // The arm of the vertex from the centre.
+                let arm = |c: usize| f64::from(u8::from(vertex == c + 1)) - 1.0 / n as f64;
+                for (k, &(i, j)) in MANDEL.iter().enumerate().take(m) {
+                    let [a, b] = [(i, j), (j, i)].map(|(i, j)| if i == r { arm(j) } else { 0.0 });
+                    data[ReferenceStresses::moments(dim) + k] = 0.5 * (a + b);
+                }
+                fields.push((0..n * n).map(|at| composite.at_node(&data, at / n, at % n)).collect());
+            }
+        }
+    }
+    fields
 }
 
 /// The divergence of a stress in each part.

@@ -21,7 +21,8 @@ pub(super) struct SkeletonCell {
     pub facets: Vec<usize>,
 }
 
-/// A facet: its vertices, ascending, and its cells with the number of the facet there.
+/// A facet: its vertices, around it from the least one to the lesser of its neighbours, and its cells with the number
+/// of the facet there.
 #[derive(Clone, Debug)]
 pub(super) struct SkeletonFacet {
     pub vertices: Vec<u32>,
@@ -114,6 +115,8 @@ pub(super) struct Skeleton {
     pub facets: Vec<SkeletonFacet>,
     /// The frame of each facet.
     pub modes: Vec<FacetModes>,
+    /// The largest number of components of a traction on a facet.
+    pub stride: usize,
     /// The cells of each node that is a vertex, with its number there.
     pub stars: Vec<Vec<(usize, usize)>>,
     /// Per block.
@@ -122,7 +125,7 @@ pub(super) struct Skeleton {
 }
 
 impl Skeleton {
-    /// The skeleton of a mesh of straight segments, triangles, quadrilaterals or tetrahedra.
+    /// The skeleton of a mesh of straight segments, triangles, quadrilaterals, tetrahedra or parallelepipeds.
     ///
     /// # Errors
     /// If a cell has another shape or is curved, or three cells share a facet.
@@ -142,7 +145,8 @@ impl Skeleton {
                 for (local, facet) in block.element.facets.iter().enumerate() {
                     let key = facet_key(facet.element, facet.nodes.iter().map(|&node| nodes[node]));
                     let at = *by_key.entry(key).or_insert_with(|| {
-                        let vertices = key[..facet.element.shape.vertices()].to_vec();
+                        let corners = facet.nodes.iter().take(facet.element.shape.vertices());
+                        let vertices = around(corners.map(|&node| nodes[node]).collect());
                         facets.push(SkeletonFacet { vertices, cells: Vec::new() });
                         facets.len() - 1
                     });
@@ -160,8 +164,9 @@ impl Skeleton {
             let vertices: Vec<Point> = facet.vertices.iter().map(|&node| mesh.points[node as usize]).collect();
             FacetModes::new(mesh.dim, &vertices)
         };
-        let modes = facets.iter().map(at).collect();
-        Ok(Skeleton { cells, facets, modes, stars, tables, by_key })
+        let modes: Vec<FacetModes> = facets.iter().map(at).collect();
+        let stride = modes.iter().map(FacetModes::components).max().unwrap_or(0);
+        Ok(Skeleton { cells, facets, modes, stride, stars, tables, by_key })
     }
 
     /// The vertex of a simplex opposite to its facet with a number.
@@ -196,8 +201,19 @@ impl Skeleton {
     }
 }
 
+/// Vertices around a facet from the least one to the lesser of its neighbours.
+fn around(mut vertices: Vec<u32>) -> Vec<u32> {
+    let n = vertices.len();
+    let least = (0..n).min_by_key(|&i| vertices[i]).unwrap_or(0);
+    vertices.rotate_left(least);
+    if n > 2 && vertices[n - 1] < vertices[1] {
+        vertices[1..].reverse();
+    }
+    vertices
+}
+
 fn check_shape(mesh: &Mesh, element: &Element) -> Result<(), Refused> {
-    let known = [Shape::Segment, Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron];
+    let known = [Shape::Segment, Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron, Shape::Hexahedron];
     if element.dim() != mesh.dim || !known.contains(&element.shape) {
         return Err(Refused::new(&format!("cells of the element {}", element.name)));
     }
@@ -207,12 +223,25 @@ fn check_shape(mesh: &Mesh, element: &Element) -> Result<(), Refused> {
 /// Checks that the nodes that are no vertices lie where the linear functions of the vertices put them.
 fn check_straight(mesh: &Mesh, element: &Element, nodes: &[u32]) -> Result<(), Refused> {
     let n = element.shape.vertices();
-    if nodes.len() == n {
+    if nodes.len() == n && element.shape != Shape::Hexahedron {
         return Ok(());
     }
     let at = |node: u32| mesh.points[node as usize];
     let size = nodes.iter().map(|&node| length(&std::array::from_fn(|c| at(node)[c] - at(nodes[0])[c])));
     let size = size.fold(0.0, f64::max);
+    if element.shape == Shape::Hexahedron {
+        // Edges 0–1, 0–3 and 0–4 span the cell.
+        let is_off = |vertex: usize| {
+            let span = |c: usize| [1, 3, 4].map(|end| at(nodes[end])[c] - at(nodes[0])[c]);
+            let of = |c: usize| {
+                at(nodes[0])[c] + span(c).iter().zip(&element.nodes[vertex]).map(|(a, x)| a * x).sum::<f64>()
+            };
+            length(&std::array::from_fn(|c| at(nodes[vertex])[c] - of(c))) > STRAIGHT * size
+        };
+        if (0..n).any(is_off) {
+            return Err(Refused::new("hexahedra whose facets are no parallelograms"));
+        }
+    }
     for (&node, x) in nodes.iter().zip(element.nodes).skip(n) {
         let hats = linear_functions(element.shape, element, x);
         let off = std::array::from_fn(|c| {

@@ -30,6 +30,7 @@ mod jumps;
 mod kinks;
 mod layers;
 mod majorant;
+mod majorant_hexahedra;
 mod majorant_parts;
 mod majorant_random;
 mod manufactured;

@@ -109,7 +109,7 @@ pub(super) fn edge() -> String {
 }
 
 /// ε(u) of the exact solution, components 11, 22, 12.
-fn edge_strain(x: f64, y: f64) -> [f64; 3] {
+pub(super) fn edge_strain(x: f64, y: f64) -> [f64; 3] {
     // Z = −z^½, Z' = −½ z^−½; σ_yy = Re Z + y Im Z', σ_xx = Re Z − y Im Z', τ = −y Re Z'.
     let r = x.hypot(y);
     let (a, b) = (f64::midpoint(r, x).max(0.0).sqrt(), f64::midpoint(r, 0.0 - x).max(0.0).sqrt());
@@ -270,7 +270,7 @@ pub(super) fn bounded(problem: &Problem) -> DiscretizationError {
     bound(problem, &solve(problem)).unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-fn near(found: &DiscretizationError, expected: &DiscretizationError, scale: f64, tolerance: f64) {
+pub(super) fn near(found: &DiscretizationError, expected: &DiscretizationError, scale: f64, tolerance: f64) {
     let off = |a: f64, b: f64| (a - scale * b).abs() > tolerance * scale * expected.energy;
     assert!(!off(found.energy, expected.energy), "{:e} {:e}", found.energy, expected.energy);
     assert_eq!(found.cells.len(), expected.cells.len());

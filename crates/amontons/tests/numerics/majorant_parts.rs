@@ -218,7 +218,9 @@ fn a_bound_does_not_depend_on_threads_or_earlier_bounds() {
     solid.materials = vec![Material::new(3, Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain))];
     solid.body_force = vec![0.1.into(), (-0.3).into(), 0.05.into()];
     solid.boundary.push(BoundaryCondition::on("back").normal_displacement(0.0));
-    for data in [plane(Elements::P1), plane(Elements::P2), plane(Elements::Q2), solid] {
+    let mut hexahedra = solid.clone();
+    hexahedra.mesh = Arc::new(Mesh::box_([1.0, 0.8, 0.6], [2, 2, 2], Elements::Q1).expect("a mesh"));
+    for data in [plane(Elements::P1), plane(Elements::P2), plane(Elements::Q2), solid, hexahedra] {
         let problem = checked(data);
         let memory = solve(&problem);
         let discrete = Discretization::new(&problem);

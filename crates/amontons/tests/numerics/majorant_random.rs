@@ -66,6 +66,11 @@ fn random_body(random: &mut Random, elements: Elements, dim: usize) -> ProblemDa
         [x, c * y - s * z, s * y + c * z]
     };
     let mut mesh = mesh.expect("a mesh");
+    if dim == 3 && matches!(elements, Elements::Q1 | Elements::Q2) {
+        // Cells that are no boxes.
+        let [a, b, c] = [between(-0.5, 0.5), between(-0.5, 0.5), between(-0.5, 0.5)];
+        mesh.points.iter_mut().for_each(|p| *p = [p[0] + a * p[1] + b * p[2], p[1] + c * p[2], p[2]]);
+    }
     mesh.points.iter_mut().for_each(|p| *p = placed(p));
     let state = if between(0.0, 1.0) < 0.5 { StressState::PlaneStrain } else { StressState::PlaneStress };
     let nu = if dim == 1 { 0.0 } else { between(0.0, 0.45) };
@@ -136,7 +141,7 @@ pub(super) fn compared(problem: &Problem, times: usize) -> (f64, DiscretizationE
 /// A family of random bodies: dimension, element and their number.
 type Family = (usize, Elements, usize);
 
-const FAMILIES: [Family; 8] = [
+const FAMILIES: [Family; 10] = [
     (1, Elements::P1, 20),
     (1, Elements::P2, 10),
     (2, Elements::P1, 70),
@@ -145,6 +150,8 @@ const FAMILIES: [Family; 8] = [
     (2, Elements::Q2, 20),
     (3, Elements::P1, 16),
     (3, Elements::P2, 6),
+    (3, Elements::Q1, 12),
+    (3, Elements::Q2, 6),
 ];
 
 /// The name of the law of the contact of a body.
@@ -218,6 +225,8 @@ fn scan_of_bounds() {
         (2, Elements::Q2, 120),
         (3, Elements::P1, 100),
         (3, Elements::P2, 40),
+        (3, Elements::Q1, 80),
+        (3, Elements::Q2, 30),
     ];
     let (count, refused) = scan(&families, 0x9e37_79b9_7f4a_7c15, |_, _| 3);
     assert!(count >= 1000 && refused < 40, "{count} bounds, {refused} refused");
