@@ -13,8 +13,10 @@
 //! On a parallelogram the moments with the bilinear functions have one part more without force and moment, ±H/4 at the
 //! vertices by turns, and the traction has parts without such moments (`parallelogram`).
 
-use super::parallelogram::PARTS;
 use crate::tensor::{Point, dot, length, minus};
+
+/// Parts of a component of a traction on a parallelogram that have no moments with the functions of its vertices.
+pub(super) const PARTS: usize = 8;
 
 /// The components of a traction on a facet: force, moment over ℓ, the couples without a moment, and on a parallelogram
 /// H and the parts without moments, N.

@@ -5,6 +5,7 @@
 //! traction whose value at the middle is the mean of those at the vertices; all others add a part without moments.
 
 use super::dense::{Semidefinite, kernel};
+use super::modes::PARTS;
 use super::skeleton::linear_functions;
 use crate::element::Q1_QUADRILATERAL;
 use crate::quadrature::{QuadratureRule, Shape, rule};
@@ -12,8 +13,6 @@ use crate::tensor::Point;
 
 /// Moments ∫ t λ of a component of a traction per triangle and vertex of the triangle.
 pub(super) const MOMENTS: usize = 12;
-/// Parts of a component of a traction that have no moments with the bilinear functions.
-pub(super) const PARTS: usize = 8;
 
 /// The triangle of a point of the square [0, 1]², and its barycentric coordinates there.
 fn in_triangle(x: &Point) -> (usize, [f64; 3]) {
