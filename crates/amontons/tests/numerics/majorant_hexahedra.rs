@@ -294,7 +294,9 @@ fn the_error_of_a_hexahedron_does_not_depend_on_the_description() {
     let mut other = changed(&|p| [-p[0], p[1], p[2]]);
     let mesh = Arc::make_mut(&mut other.mesh);
     for cell in mesh.blocks.iter_mut().flat_map(|block| block.nodes.chunks_exact_mut(8)) {
-        [(0, 1), (3, 2), (4, 5), (7, 6)].into_iter().for_each(|(a, b)| cell.swap(a, b));
+        for (a, b) in [(0, 1), (3, 2), (4, 5), (7, 6)] {
+            cell.swap(a, b);
+        }
     }
     let sets = mesh.facets.values_mut().flat_map(|set| &mut set.blocks);
     sets.flat_map(|block| block.nodes.chunks_exact_mut(4)).for_each(|facet| facet.swap(1, 3));
