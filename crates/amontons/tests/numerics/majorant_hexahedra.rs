@@ -150,8 +150,8 @@ fn axes(angle: f64) -> Tensor {
 }
 
 /// Smooth solutions without interpolated data, in a turned cube that slides on its sides: the bound falls with the
-/// order of the error, and is near it. Q1: under a load, u_i' = a_i (½ − x_i)/(λ + 2μ); Q2: with the thermal stress m Σ x_i²,
-/// u_i' = m (x_i² − ⅓)/(λ + 2μ).
+/// order of the error, and is near it. Q1: under a load, u_i' = a_i (½ − x_i)/(λ + 2μ); Q2: with the thermal stress
+/// m Σ x_i², u_i' = m (x_i² − ⅓)/(λ + 2μ).
 #[test]
 fn the_bound_of_hexahedra_has_the_order_of_the_error() {
     let modulus = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));

@@ -315,7 +315,7 @@ fn a_block_is_pushed_through_its_clearance() {
             let force = report.contact.force.iter().map(|f| f.abs()).fold(0.0, f64::max);
             assert!(force < 1e-4, "{force:e} of 2e9 N/m {solver}\n{text}");
             if !rubs {
-                assert_eq!(report.loose.len(), 1, "{:?}", report.loose);
+                assert!(!report.loose.is_empty(), "nothing holds the block along the planes\n{text}");
             }
         }
     }
