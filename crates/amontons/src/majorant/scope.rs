@@ -67,7 +67,8 @@ fn check_revolution(mesh: &Mesh) -> Result<(), Refused> {
 /// up.
 const PER_CELL: [f64; 3] = [4e3, 16e3, 40e3];
 
-/// Bytes that a hexahedron takes beside these if no other is like it: measured with Q2, and rounded up.
+/// Bytes that a hexahedron takes beside these if no other is like it: the matrices of its shape and of three patches,
+/// counted with Q2, and rounded up.
 const PER_HEXAHEDRON: f64 = 1.3e6;
 
 /// Refuses a mesh whose bound does not fit into memory.
